@@ -1,0 +1,1 @@
+"""Machine control for stepper-driven mills, in the terminal."""

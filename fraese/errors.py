@@ -1,0 +1,79 @@
+"""Every error that a user can meet.
+
+    FraeseError                 root; str(error) is one sentence for the user
+    ├── UsageError              wrong call, file or configuration      exit 2
+    │   ├── ConfigError         a key in the configuration
+    │   ├── ProgramError        a line in a program (file and line in the message)
+    │   ├── LimitError          a target outside the travel
+    │   └── StateError          not now: the machine is in another state
+    ├── Alarm                   the job failed or was stopped          exit 1
+    │   ├── SwitchAlarm         contact where none was expected
+    │   ├── HomingError         an end that is not found or does not open
+    │   └── PortError           the metal is not reachable
+    └── Cancelled               the user stopped it                    exit 130
+
+Foreign errors are wrapped at the seam where they arise, with ``raise ... from``.
+"""
+
+
+class FraeseError(Exception):
+    """Root of the family; never raised itself."""
+
+    exit_code = 1
+
+
+class UsageError(FraeseError):
+    """A wrong call, file or configuration: nothing has moved."""
+
+    exit_code = 2
+
+
+class ConfigError(UsageError):
+    """A key of the configuration is unknown, missing or out of bounds."""
+
+
+class ProgramError(UsageError):
+    """A line of a program is refused.
+
+    Args:
+        message: what is wrong and what would be right, without place.
+        line: line number, 1-based; 0 where no line applies.
+        file: name of the file as the user gave it; empty where there is none.
+    """
+
+    def __init__(self, message: str, line: int = 0, file: str = "") -> None:
+        self.message = message
+        self.line = line
+        self.file = file
+        place = ", ".join(part for part in (file, f"line {line}" if line else "") if part)
+        super().__init__(f"{place}: {message}" if place else message)
+
+
+class LimitError(UsageError):
+    """A target lies outside the travel of the machine."""
+
+
+class StateError(UsageError):
+    """The command is not possible in the present state of the machine."""
+
+
+class Alarm(FraeseError):
+    """The machine stopped by itself; the position is said in the message."""
+
+
+class SwitchAlarm(Alarm):
+    """An end switch closed where none was expected."""
+
+
+class HomingError(Alarm):
+    """An end was not found, or its switch does not open again."""
+
+
+class PortError(Alarm):
+    """The port cannot be opened, is busy, or went away."""
+
+
+class Cancelled(FraeseError):
+    """The user stopped it."""
+
+    exit_code = 130

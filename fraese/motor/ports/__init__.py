@@ -1,0 +1,1 @@
+"""Peers behind the Port seam: one file a port, none imports another."""

@@ -1,0 +1,1 @@
+"""The Textual app. Sees the controller and its frozen facts, nothing lower."""
