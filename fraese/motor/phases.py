@@ -1,0 +1,104 @@
+"""Phase currents of the SMC800/SMC1500: tables, codes and levels.
+
+The data byte, as the card reads it (seed, field):
+
+      7    6  |  5    4    3  |  2    1    0
+    +----+----+----+----+----+----+----+----+
+    |  motor  | dir|  code B | dir|  code A |       dir 1 = negative current
+    +----+----+----+----+----+----+----+----+       code 00 = 100 %, 11 = 0 %
+
+Rule 1: the bytes of a table are what is sent. No level map ever changes them.
+Rule 2: what a code means in per cent comes from one map, and only two things use it: what is
+        printed, and which code is chosen for a wanted holding current.
+Rule 3: a new table is one new row in ``PHASE_TABLES``.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Final, NamedTuple
+
+#: Both phases without current; OR-ed with the motor bits (seed: MOTZERO).
+MOTZERO: Final = 0x1B
+
+#: Half-step drive table, one entry per half-step (seed: MOTRUN), byte for byte.
+MOTRUN: Final = bytes.fromhex("03 09 38 29 27 2D 1C 0D")
+
+#: The tables that can be named in the configuration. The field's half-step tables run in the
+#: same direction as the seed's from four places further on.
+PHASE_TABLES: Final[Mapping[str, bytes]] = {
+    "motrun": MOTRUN,
+    "field-60": bytes.fromhex("2F 2D 1D 0D 0B 09 39 29"),
+    "field-20": bytes.fromhex("37 36 1E 16 13 12 3A 32"),
+    "full-step": bytes.fromhex("09 29 2D 0D"),
+}
+
+#: Per cent of the maximum current for each of the four codes. The two maps contradict each other
+#: in the middle. Three programs of the field and the fixed levels of the driver chips say that
+#: 01 is 60 %, and only so does the seed's own table give an even torque: it uses code 01 where
+#: both phases are on. The seed's comment says the opposite.
+LEVEL_MAPS: Final[Mapping[str, tuple[int, int, int, int]]] = {
+    "field": (100, 60, 20, 0),
+    "seed": (100, 20, 60, 0),
+}
+
+_CODE_OFF: Final = 0b11
+_MOTOR_SHIFT: Final = 6
+
+
+def motor_bits(motor: int) -> int:
+    """The two high bits that name a motor: X 0x00, Y 0x40, Z 0x80."""
+    return motor << _MOTOR_SHIFT
+
+
+class Currents(NamedTuple):
+    """Signed currents of both phases, in per cent of the maximum."""
+
+    a_percent: int
+    b_percent: int
+
+
+def currents_of(byte: int, levels: tuple[int, int, int, int]) -> Currents:
+    """Decode the six low bits of a data byte."""
+
+    def one(bits: int) -> int:
+        level = levels[bits & 0b11]
+        return -level if bits & 0b100 else level
+
+    return Currents(a_percent=one(byte & 0b111), b_percent=one(byte >> 3 & 0b111))
+
+
+def field_angle(byte: int, levels: tuple[int, int, int, int]) -> float | None:
+    """Where the stator field points, in half-steps of one electrical turn: 0 <= angle < 8.
+
+    Rises with the index of ``MOTRUN``, whose first entry is angle 0. None without current.
+    """
+    a_percent, b_percent = currents_of(byte, levels)
+    if not a_percent and not b_percent:
+        return None
+    return round(math.atan2(a_percent, b_percent) * 4 / math.pi, 6) % 8
+
+
+def holding_table(table: bytes, wanted_percent: int, levels: tuple[int, int, int, int]) -> bytes:
+    """The second command table of the seed: the same field directions, less current.
+
+    Every phase that carries current gets the code whose level is nearest to ``wanted_percent``
+    of what the drive table gives it; one that carries none stays off. Directions are kept, so a
+    motor does not move when it changes to holding.
+
+    Args:
+        table: drive table, six bits an entry.
+        wanted_percent: holding current, 0 to 100.
+        levels: the level map, one row of ``LEVEL_MAPS``.
+    """
+
+    def code_for(code: int) -> int:
+        if code == _CODE_OFF:
+            return code
+        wanted = levels[code] * wanted_percent / 100
+        return min(range(4), key=lambda other: (abs(levels[other] - wanted), levels[other]))
+
+    def hold(byte: int) -> int:
+        a_code, b_code = code_for(byte & 0b11), code_for(byte >> 3 & 0b11)
+        return byte & 0b100100 | b_code << 3 | a_code
+
+    return bytes(hold(byte) for byte in table)
