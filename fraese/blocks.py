@@ -10,10 +10,10 @@ integers:
               rate_q8 counts 1/256 tick per second
 
     interval  ^
-              |\\                            pieces of (ticks, interval, add):
-              | \\___                    /   every tick comes one interval after its
-              |     \\______      ______/    predecessor, then interval += add
-              |            \\____/
+              |\                            pieces of (ticks, interval, add):
+              | \___                    /   every tick comes one interval after its
+              |     \______      ______/    predecessor, then interval += add
+              |            \____/
               +-----------------------------> ticks
 
 Whole cycles are too coarse for ``add``: at 20 kHz and 100,000 steps/s^2 an interval of 800 cycles

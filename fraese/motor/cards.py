@@ -8,7 +8,7 @@ Rule 3: within a tick the leader comes first, then motor order.
 SMC1500, one motor after the other, a reading after each:
 
     data     ==X=========X==========X=====      the byte: motor, phase B, phase A
-    strobe   __/~\\_______/~\\________/~\\__      control bit 0; the pin is the inverse
+    strobe   __/~\_______/~\________/~\__      control bit 0; the pin is the inverse
     status      r         r          r
 
 Step/direction (X4Step, paper), all motors in one byte:

@@ -3,10 +3,10 @@ r"""The throttle: the one mechanism behind brake, hold, resume, a dry queue and 
 The rate played is min(plan, throttle). Path and plan are never changed, only how fast they go:
 
     rate ^   plan  ________________________
-         |        /   \\                 __/
-         |       /     \\   closing     /    opening: rises until it meets the plan
-         |      /       \\             /
-         |  ...............\\_______../.....  start/stop rate: below it the motors may stand
+         |        /   \                 __/
+         |       /     \   closing     /    opening: rises until it meets the plan
+         |      /       \             /
+         |  ...............\_______../.....  start/stop rate: below it the motors may stand
          +------------------- held ---------> time
 
 Rule 1: integers only, so that the core, the child and the firmware play the same cycles.

@@ -1,0 +1,450 @@
+"""The configuration: one TOML file, strictly read, every key with a sentence and its unit.
+
+Rule 1: an unknown key is refused by name; a typing error never goes unnoticed.
+Rule 2: every bound is stated here, in the field, and nowhere else.
+Rule 3: numbers are read as decimals, so that steps per millimetre are exact.
+Rule 4: what is found first is used: the file named by the user, ``fraese.toml`` in the working
+        directory, the user's configuration folder, the built-in defaults (a simulated mill).
+"""
+
+import os
+import tomllib
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import platformdirs
+import tomlkit
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+
+from fraese.errors import ConfigError
+
+FILE_NAME = "fraese.toml"
+AXIS_NAMES = ("x", "y", "z")
+AxisName = Literal["x", "y", "z"]
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class Section(BaseModel):
+    """A table of the file; unknown keys are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class AxisConfig(Section):
+    """One axis: how steps become millimetres, and what its motor can follow."""
+
+    steps_per_rev: int = Field(
+        400,
+        ge=1,
+        le=1_000_000,
+        description=(
+            "Smallest steps in one turn of the motor: half-steps on a phase card, pulses on a drive."
+        ),
+    )
+    pitch_mm: Decimal = Field(
+        Decimal("2"),
+        gt=0,
+        le=1000,
+        description=("Way of the carriage in one turn of the spindle, mm."),
+    )
+    gear: str = Field(
+        "1",
+        description=(
+            'Turns of the motor for one turn of the spindle, a number or a ratio such as "5/2".'
+        ),
+    )
+    travel_mm: Decimal = Field(
+        Decimal("300"), gt=0, le=100_000, description=("Way from one end switch to the other, mm.")
+    )
+    inverted: bool = Field(
+        False, description=("Whether the motor turns the other way round for positive moves.")
+    )
+    max_rate_hz: float = Field(
+        4000, gt=0, le=200_000, description=("Highest step rate of the motor, steps/s.")
+    )
+    start_rate_hz: float = Field(
+        800,
+        gt=0,
+        le=200_000,
+        description=("Start/stop rate, steps/s: below it the motor needs no ramp."),
+    )
+    acceleration_hz_s: float = Field(
+        20_000,
+        gt=0,
+        le=100_000_000,
+        description=("Change of the step rate in a ramp, steps/s per second."),
+    )
+    home_end: Literal["min", "max"] = Field(
+        "min", description=("The end switch to which the axis is referenced.")
+    )
+
+    @field_validator("gear", mode="before")
+    @classmethod
+    def _ratio(cls, value: Any) -> str:
+        text = str(value).replace(":", "/").replace(" ", "")
+        try:
+            if Fraction(text) <= 0:
+                raise ValueError
+        except (ValueError, ZeroDivisionError):
+            raise ValueError('must be a positive number or ratio such as "5/2"') from None
+        return text
+
+    @model_validator(mode="after")
+    def _rates(self) -> "AxisConfig":
+        if self.start_rate_hz > self.max_rate_hz:
+            raise ValueError(
+                f"start_rate_hz ({self.start_rate_hz:g}) must not be above"
+                f" max_rate_hz ({self.max_rate_hz:g})"
+            )
+        return self
+
+    def steps_per_mm(self) -> Fraction:
+        """Exactly, as a fraction."""
+        return Fraction(self.steps_per_rev) * Fraction(self.gear) / Fraction(self.pitch_mm)
+
+
+class AxesConfig(Section):
+    """The three axes."""
+
+    x: AxisConfig = AxisConfig()
+    y: AxisConfig = AxisConfig(travel_mm=Decimal("200"))
+    z: AxisConfig = AxisConfig(travel_mm=Decimal("60"), home_end="max")
+
+
+class OutputConfig(Section):
+    """One free output on a control pin."""
+
+    pin: Literal[1, 14, 16, 17] = Field(description="DB25 pin of the control register.")
+    active_high: bool = Field(True, description="Whether a high pin means on.")
+
+
+class OutputsConfig(Section):
+    """What hangs on the free outputs; what is not named is switched by hand."""
+
+    spindle: OutputConfig | None = Field(None, description="Spindle relay.")
+    coolant: OutputConfig | None = Field(None, description="Coolant or extraction relay.")
+    enable: OutputConfig | None = Field(
+        None,
+        description=(
+            "Enable line of step/direction drives; without it their current cannot be switched off."
+        ),
+    )
+
+
+class CardConfig(Section):
+    """The electronics between port and motors."""
+
+    kind: Literal["smc1500", "stepdir"] = Field(
+        "smc1500",
+        description=(
+            'Phase-current card ("smc1500", also SMC800) or step/direction drives ("stepdir").'
+        ),
+    )
+    table: str = Field(
+        "motrun",
+        description=("Phase table: motrun, field-60, field-20, full-step, or its bytes in hex."),
+    )
+    levels: Literal["field", "seed"] = Field(
+        "field",
+        description=(
+            "What the middle current codes mean: field 01 = 60 %, 10 = 20 %; seed: vice versa."
+        ),
+    )
+    holding_percent: int = Field(
+        0,
+        ge=0,
+        le=100,
+        description=(
+            "Current at standstill when it is held, per cent of the running current; 0: off."
+        ),
+    )
+    profile: Literal["x4step", "paper"] = Field(
+        "x4step", description=("Pulse timing of step/direction drives.")
+    )
+    clock_idles_high: bool = Field(False, description="Resting level of the clock lines.")
+    forward_high: bool = Field(True, description="Level of the direction lines for positive steps.")
+
+
+class PortConfig(Section):
+    """How the registers are reached."""
+
+    kind: Literal["simulation"] = Field(
+        "simulation", description=('The simulated mill ("simulation").')
+    )
+
+
+class SwitchesConfig(Section):
+    """The shared end-switch input."""
+
+    mode: Literal["stop", "ignore"] = Field(
+        "stop",
+        description=("What a contact does: stop the motors, or nothing (for trying things out)."),
+    )
+    pin: Literal[10, 11, 12, 13, 15] = Field(11, description="DB25 pin of the status register.")
+    closed_reads: Literal[0, 1] = Field(
+        0, description=("How the pin's register bit reads with contact.")
+    )
+    readings: int = Field(
+        3,
+        ge=1,
+        le=100,
+        description=(
+            "Equal readings in a row that make or end a contact; 1 is the original's behaviour."
+        ),
+    )
+
+
+class StandstillConfig(Section):
+    """Current between jobs."""
+
+    current: Literal["off", "hold"] = Field(
+        "off", description=("Motors off at standstill, or on holding current.")
+    )
+    delay_s: float = Field(
+        0,
+        ge=0,
+        le=3600,
+        description=("Wait after the end of a run before the current is changed, s."),
+    )
+    settle_ms: float = Field(
+        20,
+        ge=0,
+        le=5000,
+        description=("Wait after switching the current on, before the first step, ms."),
+    )
+
+
+class HomingConfig(Section):
+    """The reference run."""
+
+    order: tuple[AxisName, ...] = Field(
+        ("z", "x", "y"),
+        min_length=1,
+        description=("Axes in the order in which they are referenced; the vertical one first."),
+    )
+    approach_mm_min: Positive = Field(600, description="Feed towards the switch, mm/min.")
+    slow_mm_min: Positive = Field(
+        60, description=("Feed of backing off and of the second approach, mm/min.")
+    )
+    back_off_max_mm: Positive = Field(
+        5, description=("Within this way the switch must open again, mm.")
+    )
+    pull_off_mm: Positive = Field(
+        2, description=("Distance from the switch that becomes machine zero, mm.")
+    )
+    search_factor: float = Field(
+        1.1,
+        ge=1,
+        le=10,
+        description=("The switch must be found within this many times the travel."),
+    )
+    measure: bool = Field(
+        False, description=("Whether to run to the other end too and measure the travel.")
+    )
+
+    @field_validator("order")
+    @classmethod
+    def _no_axis_twice(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        if len(set(value)) != len(value):
+            raise ValueError("names an axis twice")
+        return value
+
+
+class JogConfig(Section):
+    """Moving by hand."""
+
+    feed_mm_min: Positive = Field(600, description="Feed of jog moves, mm/min.")
+    max_mm: Positive = Field(50, description="Longest single jog, mm.")
+
+
+class RunConfig(Section):
+    """Working through a program."""
+
+    unreferenced: Literal["slow", "forbid"] = Field(
+        "slow",
+        description=(
+            "A job on a machine that is not referenced runs at reduced rate with a warning, or not."
+        ),
+    )
+    unreferenced_percent: float = Field(
+        50, gt=0, le=100, description=("Feed of such a job, per cent.")
+    )
+    default_feed_mm_min: Positive = Field(
+        300, description=("Feed of straight moves commanded without one, mm/min.")
+    )
+    lead_s: float = Field(
+        0.3, ge=0.05, le=10, description=("Motion kept in the queue ahead of the motors, s.")
+    )
+
+
+class SimulationConfig(Section):
+    """The simulated mill."""
+
+    max_rate_hz: Positive = Field(6000, description="Above it a rotor stalls, steps/s.")
+    jump_hz: Positive = Field(1200, description="Start/stop rate of a rotor, steps/s.")
+    acceleration_hz_s: Positive = Field(
+        60_000, description=("Change of rate that a rotor can follow, steps/s per second.")
+    )
+    snaps_to_pole: bool = Field(
+        False,
+        description=(
+            "Whether a rotor without current turns to its nearest pole; else friction holds it."
+        ),
+    )
+    overrun_mm: NotNegative = Field(
+        2, description=("Way of a carriage behind its switch, to the mechanical end, mm.")
+    )
+    lag_ms: float = Field(
+        0, ge=0, le=1000, description=("From the carriage's arrival to the contact, ms.")
+    )
+    bounce_readings: int = Field(
+        0, ge=0, le=100, description=("Readings after each change that bounce.")
+    )
+
+
+class LogConfig(Section):
+    """The log file."""
+
+    enabled: bool = Field(False, description="Whether the log is on from the start.")
+    file: str = Field(
+        "", description=("Where it is written; empty: fraese.log in the user's state folder.")
+    )
+
+
+class Config(Section):
+    """The whole file."""
+
+    axes: AxesConfig = AxesConfig()
+    card: CardConfig = CardConfig()
+    port: PortConfig = PortConfig()
+    outputs: OutputsConfig = OutputsConfig()
+    switches: SwitchesConfig = SwitchesConfig()
+    standstill: StandstillConfig = StandstillConfig()
+    homing: HomingConfig = HomingConfig()
+    jog: JogConfig = JogConfig()
+    run: RunConfig = RunConfig()
+    simulation: SimulationConfig = SimulationConfig()
+    log: LogConfig = LogConfig()
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> "Config":
+        for name in AXIS_NAMES:
+            travel_mm = float(getattr(self.axes, name).travel_mm)
+            if travel_mm <= 2 * self.homing.pull_off_mm:
+                raise ValueError(
+                    f"homing.pull_off_mm ({self.homing.pull_off_mm:g}) leaves nothing of"
+                    f" axes.{name}.travel_mm ({travel_mm:g})"
+                )
+        taken = {"smc1500": {1}, "stepdir": {16, 17}}[self.card.kind]
+        for name, output in self.outputs:
+            if output is None:
+                continue
+            if output.pin in taken:
+                raise ValueError(
+                    f"outputs.{name}.pin {output.pin} is taken already (card {self.card.kind})"
+                )
+            taken.add(output.pin)
+        return self
+
+
+def find_file(named: Path | None = None) -> Path | None:
+    """The configuration file that counts; None: built-in defaults.
+
+    Raises:
+        ConfigError: if a file was named and is not there.
+    """
+    if named is not None:
+        if not named.is_file():
+            raise ConfigError(f"{named}: there is no such configuration file.")
+        return named
+    user = Path(platformdirs.user_config_dir("fraese")) / FILE_NAME
+    return next((path for path in (Path(FILE_NAME), user) if path.is_file()), None)
+
+
+def load(named: Path | None = None) -> Config:
+    """Read and check the configuration.
+
+    Raises:
+        ConfigError: one sentence with file, key and what would be right.
+    """
+    path = find_file(named)
+    if path is None:
+        return Config()
+    try:
+        raw = tomllib.loads(path.read_bytes().decode("utf-8"), parse_float=Decimal)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {os.strerror(error.errno or 0)}.") from error
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: is not a text file in UTF-8.") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{path}: is not valid TOML: {error}.") from error
+    return from_table(raw, str(path))
+
+
+def from_table(raw: dict[str, Any], place: str) -> Config:
+    """Check a table that was read already.
+
+    Raises:
+        ConfigError: one sentence with place, key and what would be right.
+    """
+    try:
+        return Config.model_validate(raw)
+    except ValidationError as error:
+        raise ConfigError(f"{place}: {_sentence(error)}") from error
+
+
+def _sentence(error: ValidationError) -> str:
+    """The first complaint as one sentence; how many more there are."""
+    complaints = error.errors(include_url=False)
+    first = complaints[0]
+    key = ".".join(str(part) for part in first["loc"])
+    if first["type"] == "extra_forbidden":
+        parent = _section_at(first["loc"][:-1])
+        known = ", ".join(sorted(parent.model_fields)) if parent else ""
+        text = f"unknown key {key}" + (f"; known here: {known}" if known else "")
+    else:
+        said = first["msg"].removeprefix("Value error, ").removesuffix(".")
+        given = first["input"]
+        shown = f", not {given}" if isinstance(given, int | float | str | Decimal) else ""
+        text = f"{key}: {said}{shown}" if key else said
+    more = len(complaints) - 1
+    return text + (f" (and {more} more)" if more else "") + "."
+
+
+def _section_at(location: tuple[int | str, ...]) -> type[Section] | None:
+    """The model behind a dotted place in the file."""
+    section: Any = Config
+    for part in location:
+        field = section.model_fields.get(part)
+        if field is None:
+            return None
+        options = [field.annotation, *getattr(field.annotation, "__args__", ())]
+        section = next((o for o in options if isinstance(o, type) and issubclass(o, Section)), None)
+        if section is None:
+            return None
+    return section  # type: ignore[no-any-return]
+
+
+def schema() -> dict[str, Any]:
+    """JSON schema for editors."""
+    return Config.model_json_schema()
+
+
+def write_key(path: Path, section: str, key: str, value: Any) -> None:
+    """Change one key in a file, comments kept; the result is checked before it is written.
+
+    Raises:
+        ConfigError: if the file would not be valid afterwards; it is left as it was.
+    """
+    document = tomlkit.parse(path.read_text("utf-8")) if path.is_file() else tomlkit.document()
+    table: Any = document
+    for part in section.split("."):
+        table = table.setdefault(part, tomlkit.table())
+    table[key] = value
+    text = tomlkit.dumps(document)
+    from_table(tomllib.loads(text, parse_float=Decimal), str(path))
+    path.write_text(text, "utf-8")

@@ -1,0 +1,1 @@
+"""Moves in millimetres to blocks in steps: path here, time law there."""

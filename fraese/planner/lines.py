@@ -1,0 +1,90 @@
+"""A single straight move from rest to rest, as one block.
+
+What a jog, a reference run and a move by hand need; a program's moves go through the look-ahead.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from fraese.blocks import Block, Outputs, Watch, accel_q_from_hz_s, rate_q8_from_hz
+from fraese.machine import Machine, Steps
+from fraese.planner.ramps import trapezoid
+
+#: Path energy is counted in (mm / 65536 / s)**2, an integer for every machine.
+_WEIGHT_PER_MM2: Final = 65536**2
+
+
+@dataclass(frozen=True, slots=True)
+class LineLimits:
+    """What the leading axis may do along a straight line, in steps/s and steps/s**2."""
+
+    ticks: int
+    length_mm: float
+    start_hz: float
+    max_hz: float
+    acceleration_hz_s: float
+
+    @property
+    def weight(self) -> int:
+        """Path energy of one (tick/s)**2, see ``Block.weight``."""
+        return max(1, round((self.length_mm / self.ticks) ** 2 * _WEIGHT_PER_MM2))
+
+
+def line_limits(machine: Machine, delta_steps: Steps) -> LineLimits:
+    """The strictest limits of all axes that take part, as seen by the leader.
+
+    Args:
+        machine: limits per axis.
+        delta_steps: signed steps of every axis, not all zero.
+    """
+    ticks = max(abs(n) for n in delta_steps)
+    parts = [(axis, abs(n) / ticks) for axis, n in zip(machine.axes, delta_steps, strict=True) if n]
+    return LineLimits(
+        ticks=ticks,
+        length_mm=math.hypot(*machine.to_mm(delta_steps)),
+        start_hz=min(axis.start_rate_hz / part for axis, part in parts),
+        max_hz=min(axis.max_rate_hz / part for axis, part in parts),
+        acceleration_hz_s=min(axis.acceleration_hz_s / part for axis, part in parts),
+    )
+
+
+def plan_line(
+    machine: Machine,
+    delta_steps: Steps,
+    feed_mm_min: float | None = None,
+    *,
+    watch: Watch | None = None,
+    outputs: Outputs | None = None,
+    tag: int = 0,
+) -> Block | None:
+    """A block from rest to rest; None when there is nothing to move.
+
+    Args:
+        machine: limits and conversions.
+        delta_steps: signed steps of every axis, in axis directions.
+        feed_mm_min: along the path; None: as fast as the axes can.
+        watch: condition while it plays.
+        outputs: change of free outputs at the first tick.
+        tag: seen in reports.
+    """
+    if not any(delta_steps):
+        return None
+    limits = line_limits(machine, delta_steps)
+    cruise_hz = limits.max_hz
+    if feed_mm_min is not None:
+        cruise_hz = min(cruise_hz, feed_mm_min / 60 * limits.ticks / limits.length_mm)
+    start_hz = min(limits.start_hz, cruise_hz)
+    return Block(
+        steps=tuple(n * axis.motor_sign for n, axis in zip(delta_steps, machine.axes, strict=True)),
+        pieces=tuple(
+            trapezoid(limits.ticks, start_hz, cruise_hz, start_hz, limits.acceleration_hz_s)
+        ),
+        accel_q=accel_q_from_hz_s(limits.acceleration_hz_s),
+        jump_rate_q8=rate_q8_from_hz(limits.start_hz),
+        weight=limits.weight,
+        ends_at_rest=True,
+        watch=watch,
+        outputs=outputs,
+        tag=tag,
+    )
