@@ -42,7 +42,7 @@ class AxisConfig(Section):
         ge=1,
         le=1_000_000,
         description=(
-            "Smallest steps in one turn of the motor: half-steps on a phase card, pulses on a drive."
+            "Smallest steps in one turn of the motor: half-steps on a phase card, else pulses."
         ),
     )
     pitch_mm: Decimal = Field(
