@@ -233,6 +233,13 @@ class HomingConfig(Section):
     back_off_max_mm: Positive = Field(
         5, description=("Within this way the switch must open again, mm.")
     )
+    resolve_mm: Positive = Field(
+        1.5,
+        description=(
+            "How far a candidate is backed off when a switch is closed at the start, mm;"
+            " shorter than the way from a switch to the mechanical end."
+        ),
+    )
     pull_off_mm: Positive = Field(
         2, description=("Distance from the switch that becomes machine zero, mm.")
     )

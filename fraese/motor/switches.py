@@ -13,7 +13,7 @@ Rule 4: contact lags the motor by some ticks. So with several axes the candidate
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-from fraese.blocks import Block
+from fraese.blocks import Block, WatchAction
 from fraese.motor.seams import End
 
 #: A contact may come this long after the motor that made it has stopped.
@@ -123,6 +123,7 @@ class InputWatcher:
         self._switch = Debounced(*switch)
         self._watched: Debounced | None = None
         self._watch_hides_switch = False
+        self._action = WatchAction.IGNORE
         self.inference = Inference(motors)
         self.status = 0
         self.quiet_status = self.NO_STATUS
@@ -136,7 +137,10 @@ class InputWatcher:
 
     @property
     def switch_acts(self) -> bool:
-        """There is contact, and no unfulfilled watch of this block asks for that input itself."""
+        """There is contact, and it is not the business of the block's watch.
+
+        A watch that ignores hands the input back when it is fulfilled.
+        """
         return self._switch.is_true and not self._watch_hides_switch
 
     def begin(self, block: Block) -> None:
@@ -144,6 +148,7 @@ class InputWatcher:
         self.inference.begin(tuple((n > 0) - (n < 0) for n in block.steps))
         watch = block.watch
         self._watch_hides_switch = bool(watch and watch.mask & self._input.mask)
+        self._action = watch.action if watch else WatchAction.IGNORE
         self._watched = Debounced(watch.mask, watch.value, self._input.readings) if watch else None
         if watch:
             self.latched_steps = None
@@ -159,7 +164,7 @@ class InputWatcher:
         if watched is not None and fulfilled:
             self.latched_steps = watched.latched_steps
             self._watched = None
-            self._watch_hides_switch = False
+            self._watch_hides_switch &= self._action is not WatchAction.IGNORE
         settled = not switch.pending and self._watched is None
         self.quiet_status = status if settled else self.NO_STATUS
         return fulfilled

@@ -31,6 +31,11 @@ class LineLimits:
         return max(1, round((self.length_mm / self.ticks) ** 2 * _WEIGHT_PER_MM2))
 
 
+def mm_per_tick(weight: int) -> float:
+    """Path length of one tick, from a block's weight."""
+    return math.sqrt(weight / _WEIGHT_PER_MM2)
+
+
 def line_limits(machine: Machine, delta_steps: Steps) -> LineLimits:
     """The strictest limits of all axes that take part, as seen by the leader.
 

@@ -113,17 +113,28 @@ class StepDirElectronics:
     Args:
         mill: what the motors move.
         clock: when it happens.
+        clock_idles_high: a step is then the falling edge.
+        forward_high: level of the direction lines for positive steps.
     """
 
-    def __init__(self, mill: Mill, clock: Clock) -> None:
+    def __init__(
+        self,
+        mill: Mill,
+        clock: Clock,
+        clock_idles_high: bool = False,
+        forward_high: bool = True,
+    ) -> None:
         self._mill = mill
         self._now_ns = clock.now_ns
+        # Inverted wiring is turned round at the plug.
+        self._inverted = (0xAA if clock_idles_high else 0) | (0 if forward_high else 0x55)
         self.angles = [0.0] * len(mill.rotors)
         self._data = 0
         self.restore_power()
 
     def data(self, value: int) -> None:
         """A rising clock steps its motor."""
+        value ^= self._inverted
         rising = value & ~self._data
         self._data = value
         if not self._supplied:
