@@ -33,10 +33,10 @@ def measure(name: str, lines: list[Line], repeat: int = 3) -> float:
     """Print and return lines per second, the best of some runs."""
     machine = Machine.from_config(Config())
     best = math.inf
-    blocks = pieces = cycles = 0
+    blocks = pieces = 0
     for _ in range(repeat):
         planner = Planner(machine, machine.to_steps(lines[0][0]), Options())
-        blocks = pieces = cycles = 0
+        blocks = pieces = 0
         start = time.perf_counter()
         for tag, (to_mm, feed_mm_min) in enumerate(lines):
             for block in planner.line(to_mm, feed_mm_min, tag):

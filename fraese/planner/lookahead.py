@@ -168,7 +168,7 @@ class Window:
         self._last, self._last_exit = segments[settled - 1], exits[settled - 1]
         self._first_entry = entries[settled] if settled < count else 0.0
         for column in (segments, self._top, cruise, self._corner, self._entry):
-            del column[:settled]  # type: ignore[attr-defined]
+            del column[:settled]
         return blocks
 
     def _speeds(self) -> tuple[list[float], list[float], int]:

@@ -88,7 +88,7 @@ class Planner:
         self,
         machine: Machine,
         start_steps: Steps,
-        options: Options = Options(),  # noqa: B008 (immutable)
+        options: Options = Options(),
         slack_steps: Steps | None = None,
     ) -> None:
         self._machine = machine

@@ -93,6 +93,7 @@ def time_law(
         return _brake_first(ticks, entry_hz2, cruise_hz2, exit_hz2, twice_hz_s)
     up = (cruise_hz2 - entry_hz2) / twice_hz_s
     down = max(0.0, (cruise_hz2 - exit_hz2) / twice_hz_s)
+    crest = 0.0
     if up + down > ticks:
         # No room to reach the cruise rate: the ramps meet where they have the same rate.
         up = min(float(ticks), max(0.0, (ticks + (exit_hz2 - entry_hz2) / twice_hz_s) / 2))
@@ -104,7 +105,7 @@ def time_law(
     # To the nearest tick: the interval of a tick is that of its middle, so neither is the cruise
     # rate exceeded nor is there more than one tick's acceleration between two ticks.
     ticks_up = int(up + 0.5)
-    ticks_down = min(ticks - ticks_up, int(down + 0.5))
+    ticks_down = min(ticks - ticks_up - int(2 * crest), int(down + 0.5))
     flat = ticks - ticks_up - ticks_down
     pieces = ramp_up(entry_hz2, twice_hz_s, ticks_up) if ticks_up else []
     if flat:

@@ -49,7 +49,7 @@ class BlockMaker:
         per_mm = ticks / length_mm
         twice_mm_s2 = segment.twice_mm_s2
         if entry_mm2_s2 == cruise_mm2_s2 == exit_mm2_s2:
-            pieces = (Piece(ticks, interval_q8(_sqrt(cruise_mm2_s2) * per_mm)),)
+            pieces: tuple[Piece, ...] = (Piece(ticks, interval_q8(_sqrt(cruise_mm2_s2) * per_mm)),)
         else:
             squared = per_mm * per_mm
             pieces = tuple(
