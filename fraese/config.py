@@ -26,6 +26,7 @@ AxisName = Literal["x", "y", "z"]
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Band = tuple[Positive, Positive]
 
 
 class Section(BaseModel):
@@ -81,6 +82,20 @@ class AxisConfig(Section):
     home_end: Literal["min", "max"] = Field(
         "min", description=("The end switch to which the axis is referenced.")
     )
+    backlash_mm: Decimal = Field(
+        Decimal("0"),
+        ge=0,
+        le=10,
+        description=("Way that is lost when the axis turns round, mm; made up for with steps."),
+    )
+    avoid_hz: tuple[Band, ...] = Field(
+        (),
+        max_length=8,
+        description=(
+            "Bands of step rates in which the motor resonates, pairs of steps/s: no move keeps a"
+            " rate within one, ramps pass through."
+        ),
+    )
 
     @field_validator("gear", mode="before")
     @classmethod
@@ -92,6 +107,13 @@ class AxisConfig(Section):
         except (ValueError, ZeroDivisionError):
             raise ValueError('must be a positive number or ratio such as "5/2"') from None
         return text
+
+    @field_validator("avoid_hz")
+    @classmethod
+    def _from_below(cls, value: tuple[Band, ...]) -> tuple[Band, ...]:
+        if any(low_hz >= high_hz for low_hz, high_hz in value):
+            raise ValueError("a band is a lower and a higher rate, in this order")
+        return value
 
     @model_validator(mode="after")
     def _rates(self) -> "AxisConfig":
@@ -288,6 +310,37 @@ class RunConfig(Section):
     )
 
 
+class PlannerConfig(Section):
+    """How moves become motion."""
+
+    chord_tolerance_mm: float = Field(
+        0.005,
+        gt=0,
+        le=1,
+        description=("Greatest distance of an arc's chords from the true arc, mm."),
+    )
+    min_block_ms: float = Field(
+        4,
+        ge=0,
+        le=100,
+        description=(
+            "Time that blocks take at least, in the mean of eight, ms: very short segments are"
+            " driven slower, so that a small queue is not outrun."
+        ),
+    )
+    max_block_s: float = Field(
+        1,
+        ge=0.1,
+        le=3600,
+        description=(
+            "Longer moves are cut into blocks of this time, s, so that an override acts soon."
+        ),
+    )
+    window: int = Field(
+        200, ge=8, le=10_000, description=("Segments that the look-ahead holds at most.")
+    )
+
+
 class SimulationConfig(Section):
     """The simulated mill."""
 
@@ -334,6 +387,7 @@ class Config(Section):
     homing: HomingConfig = HomingConfig()
     jog: JogConfig = JogConfig()
     run: RunConfig = RunConfig()
+    planner: PlannerConfig = PlannerConfig()
     simulation: SimulationConfig = SimulationConfig()
     log: LogConfig = LogConfig()
 

@@ -32,6 +32,8 @@ class Axis:
         max_rate_hz: what the motor can follow, steps/s,
         start_rate_hz: start/stop rate, steps/s,
         acceleration_hz_s: and change of rate, steps/s**2.
+        backlash_steps: motor steps without effect after a reversal.
+        avoid_hz: bands of step rates in which the motor resonates, from below to above.
     """
 
     name: str
@@ -44,6 +46,8 @@ class Axis:
     max_rate_hz: float
     start_rate_hz: float
     acceleration_hz_s: float
+    backlash_steps: int = 0
+    avoid_hz: tuple[tuple[float, float], ...] = ()
 
     def to_steps(self, position_mm: float | Fraction) -> int:
         """Nearest step, halves upwards. A float is taken as the exact number that it is."""
@@ -78,6 +82,8 @@ def _axis(name: str, config: AxisConfig, pull_off_mm: float) -> Axis:
         max_rate_hz=config.max_rate_hz,
         start_rate_hz=config.start_rate_hz,
         acceleration_hz_s=config.acceleration_hz_s,
+        backlash_steps=round(Fraction(config.backlash_mm) * config.steps_per_mm()),
+        avoid_hz=config.avoid_hz,
     )
 
 

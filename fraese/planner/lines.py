@@ -9,7 +9,7 @@ from typing import Final
 
 from fraese.blocks import Block, Outputs, Watch, accel_q_from_hz_s, rate_q8_from_hz
 from fraese.machine import Machine, Steps
-from fraese.planner.ramps import trapezoid
+from fraese.planner.ramps import time_law
 
 #: Path energy is counted in (mm / 65536 / s)**2, an integer for every machine.
 _WEIGHT_PER_MM2: Final = 65536**2
@@ -83,7 +83,9 @@ def plan_line(
     return Block(
         steps=tuple(n * axis.motor_sign for n, axis in zip(delta_steps, machine.axes, strict=True)),
         pieces=tuple(
-            trapezoid(limits.ticks, start_hz, cruise_hz, start_hz, limits.acceleration_hz_s)
+            time_law(
+                limits.ticks, start_hz**2, cruise_hz**2, start_hz**2, 2 * limits.acceleration_hz_s
+            )
         ),
         accel_q=accel_q_from_hz_s(limits.acceleration_hz_s),
         jump_rate_q8=rate_q8_from_hz(limits.start_hz),

@@ -1,0 +1,398 @@
+r"""The streaming planner: canonical moves in millimetres in, final blocks in steps out.
+
+    line, arc --> merging --> rounding --> backlash --> segments --> window --> blocks
+                  (G64 P)     absolute     take-up      limits       look-ahead
+
+Rule 1: targets are rounded once and absolutely. A move of no steps vanishes; what it was short of
+        a step is in the next target.
+Rule 2: every method gives the blocks that became final by it, in order; take them before the next
+        call. There may be none for a while: what is held back is bounded, and ``drain`` gives it.
+Rule 3: blocks so far always allow a stop within themselves; after ``drain`` they end in one.
+Rule 4: memory does not grow with the length of the program, nor with that of an arc.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+from fraese.blocks import Block, Outputs, Watch, dwell
+from fraese.config import PlannerConfig
+from fraese.machine import Machine, Steps
+from fraese.planner.arcs import Point, arc_shape
+from fraese.planner.backlash import followed, take_up
+from fraese.planner.lookahead import Window
+from fraese.planner.merging import Chain
+from fraese.planner.rounding import rounder
+from fraese.planner.segments import UNLIMITED, Limits, Segment
+from fraese.planner.timing import BlockMaker
+
+_S_PER_MIN = 60
+
+
+class PathMode(StrEnum):
+    """How closely the path is followed."""
+
+    #: Every corner is passed exactly; the speed there is what the axes can jump by.
+    EXACT_PATH = "G61"
+    #: The same, and no corner is passed above the start/stop rates.
+    EXACT_STOP = "G61.1"
+    #: Points on a straight line within a tolerance are merged.
+    BLEND = "G64"
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What can be chosen.
+
+    Attributes:
+        chord_tolerance_mm: greatest distance of chords from an arc.
+        min_block_s: time of a block at least, in the mean of eight.
+        max_block_s: longer moves are cut.
+        window: segments that the look-ahead holds at most.
+        rate_factor: part of the axes' rates that may be used (a machine not referenced).
+    """
+
+    chord_tolerance_mm: float = 0.005
+    min_block_s: float = 0.004
+    max_block_s: float = 1.0
+    window: int = 200
+    rate_factor: float = 1.0
+
+    @classmethod
+    def from_config(cls, config: PlannerConfig, rate_factor: float = 1.0) -> "Options":
+        """Options as configured."""
+        return cls(
+            chord_tolerance_mm=config.chord_tolerance_mm,
+            min_block_s=config.min_block_ms / 1000,
+            max_block_s=config.max_block_s,
+            window=config.window,
+            rate_factor=rate_factor,
+        )
+
+
+class Planner:
+    """Look-ahead planning of a stream of moves.
+
+    Args:
+        machine: conversions and limits; three axes.
+        start_steps: where the axes are, in axis steps.
+        options: what can be chosen.
+        slack_steps: of each axis' backlash, see ``backlash``; None: nil.
+
+    Raises:
+        ValueError: if the machine has not three axes.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        start_steps: Steps,
+        options: Options = Options(),
+        slack_steps: Steps | None = None,
+    ) -> None:
+        self._machine = machine
+        self._options = options
+        self._limits = Limits(machine, options.rate_factor)
+        self._window = Window(
+            self._limits, BlockMaker(machine), options.window, options.min_block_s
+        )
+        self._to_x, self._to_y, self._to_z = (rounder(axis) for axis in machine.axes)
+        self._backlash_steps = tuple(axis.backlash_steps for axis in machine.axes)
+        self._has_backlash = any(self._backlash_steps)
+        self._slack_steps = slack_steps or (0, 0, 0)
+        self._mode = PathMode.EXACT_PATH
+        self._exact_stop = False
+        self._tolerance_mm = 0.0
+        self._chain = Chain()
+        self._outputs: Outputs | None = None
+        self._override = 1.0
+        self._reached_steps = start_steps
+        # The target last commanded, and the one at which the last segment ended.
+        self._target_mm = self._segment_mm = self._point(machine.to_mm(start_steps))
+
+    # --- where it is ---------------------------------------------------------------------------
+
+    @property
+    def position_steps(self) -> Steps:
+        """Axis steps at the end of all that was planned."""
+        return self._reached_steps
+
+    @property
+    def slack_steps(self) -> Steps:
+        """Slack of the axes there."""
+        return self._slack_steps
+
+    @property
+    def pending(self) -> int:
+        """Segments whose blocks are not final."""
+        return len(self._window) + (self._chain.end is not None)
+
+    @staticmethod
+    def _point(position_mm: Sequence[float]) -> Point:
+        x, y, z = position_mm
+        return x, y, z
+
+    # --- moves ---------------------------------------------------------------------------------
+
+    def line(self, to_mm: Point, feed_mm_min: float | None = None, tag: int = 0) -> Sequence[Block]:
+        """A straight move.
+
+        Args:
+            to_mm: target in machine coordinates.
+            feed_mm_min: speed along the path; None: as fast as the axes can.
+            tag: seen in reports.
+
+        Raises:
+            ValueError: if the feed is not positive.
+        """
+        feed_mm_s = self._feed_mm_s(feed_mm_min)
+        if self._tolerance_mm and feed_mm_min is not None:
+            self._merge(to_mm, feed_mm_s, tag)
+        else:
+            if self._chain.end is not None:
+                self._end_chain()
+            self._go(to_mm, feed_mm_s, UNLIMITED, tag)
+            self._target_mm = to_mm
+        window = self._window
+        return window.settle() if window.due else ()
+
+    def arc(
+        self,
+        to_mm: Point,
+        centre_mm: tuple[float, float],
+        plane: int,
+        turns: int,
+        feed_mm_min: float,
+        tag: int = 0,
+    ) -> Iterator[Block]:
+        """An arc or helix, as chords; to be iterated to its end.
+
+        Args:
+            to_mm: end in machine coordinates.
+            centre_mm: in the first and second axis of the plane: XY, ZX or YZ.
+            plane: 17, 18 or 19.
+            turns: signed, positive counter-clockwise seen from the positive third axis.
+            feed_mm_min: speed along the path.
+            tag: seen in reports.
+
+        Raises:
+            ValueError: if the feed is not positive, the plane unknown or ``turns`` 0.
+        """
+        shape = arc_shape(self._target_mm, to_mm, centre_mm, plane, turns)
+        feed_mm_s = self._feed_mm_s(feed_mm_min)
+        self._end_chain()
+        self._target_mm = to_mm
+        first, second, _ = shape.axes
+        axes = self._machine.axes
+        inward_mm_s2 = min(
+            axes[i].acceleration_hz_s / float(axes[i].steps_per_mm) for i in (first, second)
+        )
+        rest_mm_s = min(
+            axes[i].start_rate_hz / float(axes[i].steps_per_mm) for i in (first, second)
+        )
+        curve_mm_s = max(rest_mm_s, (inward_mm_s2 * shape.radius_mm) ** 0.5)
+        return self._walk(
+            shape.corners(self._options.chord_tolerance_mm), feed_mm_s, curve_mm_s, tag
+        )
+
+    def _walk(
+        self, corners: Iterator[Point], feed_mm_s: float, curve_mm_s: float, tag: int
+    ) -> Iterator[Block]:
+        exact_stop, window = self._exact_stop, self._window
+        for corner in corners:
+            self._go(corner, feed_mm_s, curve_mm_s, tag)
+            # Only the ends of an arc are corners of the program.
+            self._exact_stop = False
+            if window.due:
+                yield from window.settle()
+        self._exact_stop = exact_stop
+
+    def watched(
+        self, to_mm: Point, feed_mm_min: float | None, watch: Watch, tag: int = 0
+    ) -> Sequence[Block]:
+        """A straight move from rest to rest in one block with a watch (a probe).
+
+        Where it really ended is for the caller to find out, and to ``reset`` to.
+
+        Raises:
+            ValueError: if the feed is not positive.
+        """
+        feed_mm_s = self._feed_mm_s(feed_mm_min)
+        blocks = list(self.drain())
+        self._go(to_mm, feed_mm_s, UNLIMITED, tag, watch)
+        self._target_mm = to_mm
+        return blocks + self._window.settle(everything=True)
+
+    def dwell(self, duration_s: float, tag: int = 0) -> Sequence[Block]:
+        """Come to rest and wait.
+
+        Raises:
+            ValueError: if the duration is negative.
+        """
+        blocks = [*self.drain(), dwell(3, duration_s, tag)._replace(outputs=self._outputs)]
+        self._outputs = None
+        if duration_s >= max(2 / axis.start_rate_hz for axis in self._machine.axes):
+            self._window.stand()
+        return blocks
+
+    def outputs(self, mask: int, value: int) -> Sequence[Block]:
+        """Change free outputs at the first tick of the next move, without stopping for it."""
+        self._end_chain()
+        if self._outputs is not None:
+            before, was = self._outputs
+            value = was & ~mask | value & mask
+            mask |= before
+        self._outputs = Outputs(mask, value & mask)
+        return ()
+
+    def path_control(self, mode: str, tolerance_mm: float = 0.0) -> Sequence[Block]:
+        """G61, G61.1 or G64 with its P.
+
+        Args:
+            mode: a ``PathMode`` or its code.
+            tolerance_mm: for G64: how far merged points may lie off their line; 0: none are.
+
+        Raises:
+            ValueError: if the mode is unknown.
+        """
+        self._end_chain()
+        self._mode = PathMode(mode)
+        self._exact_stop = self._mode is PathMode.EXACT_STOP
+        self._tolerance_mm = tolerance_mm if self._mode is PathMode.BLEND else 0.0
+        return ()
+
+    # --- flow ----------------------------------------------------------------------------------
+
+    def ready(self) -> Sequence[Block]:
+        """What is final already; nothing is given away."""
+        return self._window.settle()
+
+    def drain(self) -> Sequence[Block]:
+        """Everything that was commanded, ending at rest; for a slow producer, a barrier, a pause.
+
+        The next move goes on from there, from the start/stop rate.
+        """
+        self._end_chain()
+        return self._window.settle(everything=True)
+
+    def finish(self) -> Sequence[Block]:
+        """The same at the end of a program; outputs that wait for a move do not wait longer."""
+        blocks = list(self.drain())
+        if self._outputs is not None:
+            blocks.append(dwell(3, 0)._replace(outputs=self._outputs))
+            self._outputs = None
+        self._window.stand()
+        return blocks
+
+    def set_override(self, factor: float) -> None:
+        """Scale the feeds (not the rapids) of all segments that are not final.
+
+        Args:
+            factor: 0.1 to 2.
+
+        Raises:
+            ValueError: if it is outside.
+        """
+        if not 0.1 <= factor <= 2:
+            raise ValueError("a feed override is 10 to 200 %")
+        self._override = factor
+        self._window.set_override(factor)
+
+    def reset(self, position_steps: Steps, slack_steps: Steps | None = None) -> None:
+        """Forget what is not final: the machine stands at these axis steps.
+
+        After a stop, a flush or a probe; modes, override and options stay.
+        """
+        self._window = Window(
+            self._limits,
+            BlockMaker(self._machine),
+            self._options.window,
+            self._options.min_block_s,
+        )
+        self._window.set_override(self._override)
+        self._chain.clear()
+        self._outputs = None
+        self._reached_steps = position_steps
+        self._slack_steps = slack_steps or self._slack_steps
+        self._target_mm = self._segment_mm = self._point(self._machine.to_mm(position_steps))
+
+    # --- from points to segments ---------------------------------------------------------------
+
+    def _feed_mm_s(self, feed_mm_min: float | None) -> float:
+        if feed_mm_min is None:
+            return UNLIMITED
+        if not feed_mm_min > 0:
+            raise ValueError("a feed is positive")
+        return feed_mm_min / _S_PER_MIN * self._options.rate_factor
+
+    def _merge(self, to_mm: Point, feed_mm_s: float, tag: int) -> None:
+        if not self._chain.take(to_mm, feed_mm_s, self._tolerance_mm):
+            self._end_chain()
+            self._chain.begin(self._target_mm, to_mm, feed_mm_s, tag)
+        self._target_mm = to_mm
+
+    def _end_chain(self) -> None:
+        chain = self._chain
+        if chain.end is not None:
+            self._go(chain.end, chain.feed_mm_s, UNLIMITED, chain.tag)
+            chain.clear()
+
+    def _go(
+        self,
+        to_mm: Point,
+        feed_mm_s: float,
+        top_mm_s: float,
+        tag: int,
+        watch: Watch | None = None,
+    ) -> None:
+        """Round the target, take up backlash, and hand the move to the window."""
+        x_mm, y_mm, z_mm = to_mm
+        to_x, to_y, to_z = self._to_x(x_mm), self._to_y(y_mm), self._to_z(z_mm)
+        at_x, at_y, at_z = self._reached_steps
+        steps = to_x - at_x, to_y - at_y, to_z - at_z
+        if steps == (0, 0, 0):
+            return
+        from_x, from_y, from_z = self._segment_mm
+        way_mm = x_mm - from_x, y_mm - from_y, z_mm - from_z
+        self._reached_steps = to_x, to_y, to_z
+        self._segment_mm = to_mm
+        if self._has_backlash:
+            self._take_up(steps, tag)
+        outputs = self._outputs
+        segment = self._limits.segment(steps, way_mm, feed_mm_s, top_mm_s, outputs, tag, watch)
+        if outputs is not None:
+            self._outputs = None
+        longest_mm = min(feed_mm_s * self._override, segment.top_mm_s) * self._options.max_block_s
+        if segment.length_mm > longest_mm and watch is None:
+            self._append_in_parts(segment, way_mm, math.ceil(segment.length_mm / longest_mm))
+        else:
+            self._window.append(segment, self._exact_stop)
+
+    def _append_in_parts(self, whole: Segment, way_mm: Point, parts: int) -> None:
+        """Cut a long segment: each cut is rounded to the step that is nearest to the line."""
+        done = (0, 0, 0)
+        exact_stop, outputs = self._exact_stop, whole.outputs
+        for part in range(1, parts + 1):
+            x, y, z = ((2 * n * part + parts) // (2 * parts) for n in whole.steps)
+            steps = x - done[0], y - done[1], z - done[2]
+            done = x, y, z
+            if steps == (0, 0, 0):
+                continue
+            segment = self._limits.segment(
+                steps, way_mm, whole.feed_mm_s, whole.top_mm_s, outputs, whole.tag
+            )
+            self._window.append(segment, exact_stop)
+            exact_stop, outputs = False, None
+
+    def _take_up(self, steps: tuple[int, int, int], tag: int) -> None:
+        """Before axes turn round, the steps that only their motors make."""
+        slack, backlash = self._slack_steps, self._backlash_steps
+        x, y, z = map(take_up, slack, backlash, steps)
+        extra = (x, y, z)
+        if extra != (0, 0, 0):
+            segment = self._limits.segment(extra, None, UNLIMITED, UNLIMITED, None, tag)
+            self._window.append(segment, self._exact_stop)
+            self._slack_steps = tuple(
+                followed(*each)[1] for each in zip(slack, backlash, extra, strict=True)
+            )

@@ -1,0 +1,82 @@
+"""From speeds along the path to a block: the one place where mm/s become ticks.
+
+The leading axis makes ``ticks / length_mm`` ticks per mm, so squared speeds and accelerations
+along the path become those of the leader by one factor.
+"""
+
+import math
+from typing import Final
+
+from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece
+from fraese.machine import Machine
+from fraese.planner.ramps import interval_q8, time_law
+from fraese.planner.segments import Segment
+
+#: Path energy is counted in (mm / 65536 / s)**2, an integer for every machine.
+WEIGHT_PER_MM2: Final = 65536**2
+#: ``accel_q`` of one tick/s**2, see ``blocks.accel_q_from_hz_s``.
+_ACCEL_Q: Final = Q8 * 65536 / CYCLES_PER_S
+#: Rates this close are the same.
+_SAME: Final = 1 + 1e-9
+
+_sqrt = math.sqrt
+_new = tuple.__new__
+
+
+class BlockMaker:
+    """Makes blocks of segments whose speeds are settled.
+
+    Args:
+        machine: which way the motors turn.
+    """
+
+    def __init__(self, machine: Machine) -> None:
+        self._signs = tuple(axis.motor_sign for axis in machine.axes)
+        self._straight = self._signs == (1, 1, 1)
+
+    def block(
+        self, segment: Segment, entry_mm2_s2: float, cruise_mm2_s2: float, exit_mm2_s2: float
+    ) -> Block:
+        """The block of a segment.
+
+        Args:
+            segment: where it goes.
+            entry_mm2_s2: square of the speed at its beginning,
+            cruise_mm2_s2: of the speed wanted in between,
+            exit_mm2_s2: and of that at its end.
+        """
+        ticks, length_mm, rest_mm_s = segment.ticks, segment.length_mm, segment.rest_mm_s
+        per_mm = ticks / length_mm
+        twice_mm_s2 = segment.twice_mm_s2
+        if entry_mm2_s2 == cruise_mm2_s2 == exit_mm2_s2:
+            pieces: tuple[Piece, ...] = (Piece(ticks, interval_q8(_sqrt(cruise_mm2_s2) * per_mm)),)
+        else:
+            squared = per_mm * per_mm
+            pieces = tuple(
+                time_law(
+                    ticks,
+                    entry_mm2_s2 * squared,
+                    cruise_mm2_s2 * squared,
+                    exit_mm2_s2 * squared,
+                    twice_mm_s2 * per_mm,
+                )
+            )
+        steps = segment.steps
+        if not self._straight:
+            x, y, z = self._signs
+            steps = steps[0] * x, steps[1] * y, steps[2] * z
+        block: Block = _new(
+            Block,
+            (
+                steps,
+                pieces,
+                int(twice_mm_s2 * per_mm / 2 * _ACCEL_Q + 0.5) or 1,
+                int(rest_mm_s * per_mm * Q8 + 0.5),
+                int(WEIGHT_PER_MM2 / (per_mm * per_mm) + 0.5) or 1,
+                exit_mm2_s2 <= rest_mm_s * rest_mm_s * _SAME,
+                segment.watch,
+                segment.outputs,
+                segment.tag,
+            ),
+        )
+        return block
