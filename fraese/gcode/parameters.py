@@ -14,7 +14,7 @@ MAX_INDEX: Final = 5601
 ARGUMENTS: Final = 30
 # What outlives the program: homes, G92, and the coordinate systems.
 PERSISTENT: Final = (*range(5161, 5170), *range(5181, 5190), *range(5210, 5391))
-READ_ONLY: Final = frozenset(range(5400, 5429)) | {5599}
+READ_ONLY: Final = frozenset(range(5400, 5429))
 
 Live = Callable[[], float]
 
