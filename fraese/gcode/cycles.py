@@ -4,8 +4,9 @@ In the plane's own axes: the cycle moves across the plane and drills along the t
 Where it starts, with "old" the height at which the first cycle of a series began::
 
     old below R          rapid up to R first, then across at R
-    G98, and now at R    across at the old height, as the last hole ended there or should have
-    otherwise            across at the present height
+    not above R, G98     across to the old height
+    not above R, G99     across to R
+    above R              across at the present height
 
 then down to R, the cycle's own strokes, and up: to R (G99) or to the old height (G98).
 """

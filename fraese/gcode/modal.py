@@ -89,7 +89,9 @@ ORDER: Final = (
     "distance",
     "arc_distance",
     "retract",
+    "lathe",
     "nonmodal",
+    "cancel",
     "motion",
     "stop",
 )

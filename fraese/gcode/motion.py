@@ -26,7 +26,7 @@ from fraese.gcode.canon import (
     Rapid,
     Spindle,
 )
-from fraese.gcode.cycles import CLEARANCE_MM, Hole, Sticky, Stroke
+from fraese.gcode.cycles import Hole, Sticky, Stroke
 from fraese.gcode.modal import CYCLES, Modal, name
 from fraese.gcode.offsets import Coordinates
 from fraese.gcode.parameters import Parameters
@@ -36,6 +36,7 @@ LETTERS: Final = "xyz"
 OFFSET_LETTERS: Final = "ijk"
 PROBE_RESULT: Final = 5061
 PROBE_TOUCHED: Final = 5070
+NO_WAY_MM: Final = 1e-6
 MAX_TURNS: Final = 100_000
 MAX_REPEATS: Final = 100_000
 
@@ -248,8 +249,8 @@ class Motion:
             raise ProgramError("probing is not possible in G93; use G94")
         feed_mm_min = self.feed_for(block, 0.0, code)
         to = self.target(block)
-        if math.dist(self.at, to) < CLEARANCE_MM:
-            raise ProgramError(f"{name(code)} needs a way to go of 0.254 mm (0.01 inch) or more")
+        if math.dist(self.at, to) < NO_WAY_MM:
+            raise ProgramError(f"{name(code)} has no way to go: it starts at its target")
         machine = self.coordinates.to_machine(to)
         towards, must = code in (382, 383), code in (382, 384)
         return (Probe(self.line, machine, feed_mm_min, towards, must),)
@@ -318,8 +319,8 @@ class Motion:
         if self.old_height_mm < hole.r_mm:
             yield self._height(hole.r_mm, third)
             height_mm = hole.r_mm
-        elif self.modal.retract_to_start and self.at[third] <= hole.r_mm:
-            height_mm = self.old_height_mm
+        elif self.at[third] <= hole.r_mm:
+            height_mm = self.old_height_mm if self.modal.retract_to_start else hole.r_mm
         else:
             height_mm = self.at[third]
         restore = self._exact_path()

@@ -10,7 +10,6 @@ copied here, so that a parameter written by hand acts when its system is next se
 import math
 from typing import Final
 
-from fraese.errors import ProgramError
 from fraese.gcode.canon import Point
 from fraese.gcode.parameters import Parameters
 
@@ -71,7 +70,7 @@ class Coordinates:
     def to_machine(self, point: Point) -> Point:
         """Program position to machine position."""
         if self.rotation_deg:
-            point = self.turned(_sum(point, self.g92))
+            point = _turn(_sum(point, self.g92), self.rotation_deg)
         x, y, z = point
         dx, dy, dz = self.shift
         return x + dx, y + dy, z + dz
@@ -80,17 +79,8 @@ class Coordinates:
         """Machine position to program position."""
         point = _difference(point, self.shift)
         if self.rotation_deg:
-            point = _difference(self.turned(point, -1), self.g92)
+            point = _difference(_turn(point, -self.rotation_deg), self.g92)
         return point
-
-    def turned(self, point: Point, sense: int = 1) -> Point:
-        """A point turned about Z by the rotation in force, or back."""
-        if not self.rotation_deg:
-            return point
-        angle = math.radians(self.rotation_deg) * sense
-        sine, cosine = math.sin(angle), math.cos(angle)
-        x, y, z = point
-        return x * cosine - y * sine, x * sine + y * cosine, z
 
     def set_g92(self, point: Point, active: bool, keep: bool = False) -> None:
         """Set G92 offsets; ``keep`` leaves the stored numbers alone."""
@@ -110,15 +100,28 @@ class Coordinates:
         if system == self.system:
             self.select(system)
 
-    def offset_for(self, system: int, axis: int, machine: Point, wanted: float) -> float:
-        """Work offset on one axis that makes the machine position read as ``wanted``.
+    def offset_at(
+        self, system: int, machine: Point, wanted: Point, given: set[int]
+    ) -> dict[int, float]:
+        """Work offsets that make a machine position read as ``wanted`` on the given axes.
 
-        The rotation of that system stays as it is, so X and Y are solved in the turned frame.
+        With a rotation both X and Y change as soon as one of them is given.
         """
-        rotation = self._parameters.get(self.first_parameter(system) + ROTATION)
-        if rotation and axis < 2:
-            raise ProgramError("G10 L20 in a rotated system is not supported; use G10 L2")
-        return machine[axis] - self.tool[axis] - self.g92[axis] - wanted
+        rotation_deg = self._parameters.get(self.first_parameter(system) + ROTATION)
+        if rotation_deg and given & {0, 1}:
+            given = given | {0, 1}
+        turned = _turn(_sum(wanted, self.g92), rotation_deg)
+        offset = _difference(_difference(machine, self.tool), turned)
+        return {axis: offset[axis] for axis in given}
+
+
+def _turn(point: Point, angle_deg: float) -> Point:
+    if not angle_deg:
+        return point
+    angle = math.radians(angle_deg)
+    sine, cosine = math.sin(angle), math.cos(angle)
+    x, y, z = point
+    return x * cosine - y * sine, x * sine + y * cosine, z
 
 
 def _sum(a: Point, b: Point) -> Point:

@@ -21,7 +21,7 @@ from fraese.gcode.source import Source
 from fraese.gcode.subroutines import Library
 from fraese.gcode.words import plain
 
-MAX_CALLS: Final = 10
+MAX_CALLS: Final = 9
 # Longer ones first where one starts like another.
 _KEYWORD = re.compile(
     r"sub|endsub|call|return|if|elseif|else|endif|endwhile|while|do|endrepeat|repeat"
@@ -289,8 +289,6 @@ class Flow:
         frame = self.frame
         if frame.scope is None:
             raise ProgramError(f"o<{word.name}> {word.keyword} stands outside any subroutine")
-        if frame.name != word.name:
-            return
         values = self._expressions(word)
         self.value = values[0] if values else 0.0
         self.value_returned = float(bool(values))
