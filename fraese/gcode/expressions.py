@@ -39,7 +39,7 @@ def _power(a: float, b: float) -> float:
         raise ProgramError("a negative number cannot be raised to a broken power")
     if a == 0 and b < 0:
         raise ProgramError("division by zero: zero cannot be raised to a negative power")
-    return a**b
+    return float(a**b)
 
 
 def _modulo(a: float, b: float) -> float:

@@ -277,7 +277,7 @@ class Motion:
 
     def _cycle(self, block: Block) -> Iterable[Move]:
         code = cast(int, block.motion)
-        first, second, third = PLANE_AXES[self.modal.plane]
+        _first, _second, third = PLANE_AXES[self.modal.plane]
         if not block.has_axes:
             raise ProgramError(f"{name(code)} needs an axis word")
         if self.modal.inverse_time:
@@ -314,7 +314,7 @@ class Motion:
         return Hole(r_mm, bottom_mm, clear_mm, peck_mm, sticky.p)
 
     def _holes(self, block: Block, hole: Hole, code: int, count: int) -> Iterator[Move]:
-        first, second, third = PLANE_AXES[self.modal.plane]
+        _first, _second, third = PLANE_AXES[self.modal.plane]
         spindle = self.modal.spindle
         if self.old_height_mm < hole.r_mm:
             yield self._height(hole.r_mm, third)

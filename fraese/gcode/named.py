@@ -36,26 +36,35 @@ def _program_position(interpreter: Interpreter, axis: int) -> Live:
     return lambda: motion.at[axis] / modal.scale_mm
 
 
+def _machine_position(interpreter: Interpreter, axis: int) -> Live:
+    return lambda: interpreter.position_mm[axis] / interpreter._modal.scale_mm
+
+
+def _tool_offset(interpreter: Interpreter, axis: int) -> Live:
+    return lambda: interpreter._coordinates.tool[axis] / interpreter._modal.scale_mm
+
+
+def _constant(value: float) -> Live:
+    return lambda: value
+
+
 def _numbered(interpreter: Interpreter) -> dict[int, Live]:
-    modal, coordinates = interpreter._modal, interpreter._coordinates
+    modal = interpreter._modal
     return {
         TOOL_NUMBER: lambda: float(modal.tool),
         TOOL_DIAMETER: lambda: interpreter._settings.diameter_mm(modal.tool) / modal.scale_mm,
         **{POSITION + axis: _program_position(interpreter, axis) for axis in range(3)},
-        **{
-            TOOL_OFFSET + axis: (lambda axis=axis: coordinates.tool[axis] / modal.scale_mm)  # type: ignore[misc]
-            for axis in range(3)
-        },
+        **{TOOL_OFFSET + axis: _tool_offset(interpreter, axis) for axis in range(3)},
     }
 
 
 def _places(interpreter: Interpreter) -> dict[str, Live]:
-    modal, flow = interpreter._modal, lambda: interpreter._flow
+    modal = interpreter._modal
     answers: dict[str, Live] = {
-        "_line": lambda: float(flow().source.line),
-        "_call_level": lambda: float(flow().call_level),
-        "_value": lambda: flow().value,
-        "_value_returned": lambda: flow().value_returned,
+        "_line": lambda: float(interpreter._flow.source.line),
+        "_call_level": lambda: float(interpreter._flow.call_level),
+        "_value": lambda: interpreter._flow.value,
+        "_value_returned": lambda: interpreter._flow.value_returned,
         "_feed": lambda: modal.feed_mm_min / modal.scale_mm,
         "_rpm": lambda: modal.rev_min,
         "_current_tool": lambda: float(modal.tool),
@@ -65,9 +74,7 @@ def _places(interpreter: Interpreter) -> dict[str, Live]:
     }
     for axis, letter in enumerate("xyz"):
         answers[f"_{letter}"] = _program_position(interpreter, axis)
-        answers[f"_abs_{letter}"] = lambda axis=axis: (  # type: ignore[misc]
-            interpreter.position_mm[axis] / modal.scale_mm
-        )
+        answers[f"_abs_{letter}"] = _machine_position(interpreter, axis)
     return answers
 
 
@@ -113,4 +120,4 @@ def _constants() -> dict[str, Live]:
         "_task": 0.0,
         **{f"_{letter}": 0.0 for letter in "abcuvw"},
     }
-    return {name: (lambda value=value: value) for name, value in constants.items()}  # type: ignore[misc]
+    return {name: _constant(value) for name, value in constants.items()}

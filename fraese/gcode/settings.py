@@ -6,7 +6,7 @@ carried over through machine coordinates.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import Final, cast
+from typing import Final, Literal, cast
 
 from fraese.errors import ProgramError
 from fraese.gcode.canon import Coolant, Move, PathControl, Plane, Point, Rapid, Spindle
@@ -302,7 +302,7 @@ class Settings:
         if changes["path"]:
             yield PathControl(line, m.path_mode, m.tolerance_mm)
         if changes["spindle"]:
-            yield Spindle(line, cast("int", m.spindle), m.rev_min)  # type: ignore[arg-type]
+            yield Spindle(line, cast("Literal[-1, 0, 1]", m.spindle), m.rev_min)
         if changes["coolant"]:
             yield Coolant(line, m.mist, m.flood)
 
