@@ -1,7 +1,9 @@
 """Centres of arcs, in the two axes of their plane, in mm.
 
-The closing rule is LinuxCNC's: with centre offsets the two radii may differ by 0.5 mm
-(0.05 inch) at most, and beyond 0.005 mm (0.0005 inch) by a thousandth of the radius at most.
+The closing rule is LinuxCNC's, found by bisection on its rs274: the radii at start and end may
+differ by 0.02 mm times the root of 2 (in G20: 0.002 inch times the root of 2), beyond that by a
+thousandth of the radius, and never by more than a hundred times the first limit. A radius is one
+from 0.00005 inch on.
 """
 
 import math
@@ -12,14 +14,14 @@ from fraese.errors import ProgramError
 Flat = tuple[float, float]
 
 # For G21 and G20: the difference that is always accepted, and the one never accepted.
-CLOSED_MM: Final = {1.0: 0.005, 25.4: 0.0127}
+CLOSED_MM: Final = {1.0: 0.02 * math.sqrt(2), 25.4: 25.4 * 0.002 * math.sqrt(2)}
 OPEN_FACTOR: Final = 100.0
 RELATIVE: Final = 1e-3
 # Radii below this are none; a radius may fall short of half the distance by this.
-NOTHING_MM: Final = {1.0: 0.00127, 25.4: 0.00127}
+NOTHING_MM: Final = 0.00127
 
 
-def centre_by_radius(start: Flat, end: Flat, radius_mm: float, left: bool, unit: float) -> Flat:
+def centre_by_radius(start: Flat, end: Flat, radius_mm: float, left: bool) -> Flat:
     """Centre of the arc of this radius; a negative radius takes the longer way round.
 
     Args:
@@ -27,7 +29,6 @@ def centre_by_radius(start: Flat, end: Flat, radius_mm: float, left: bool, unit:
         end: last point.
         radius_mm: the R word.
         left: counter-clockwise.
-        unit: mm in a unit of the program, for the tolerance.
 
     Raises:
         ProgramError: the points coincide, or are too far apart for the radius.
@@ -38,7 +39,7 @@ def centre_by_radius(start: Flat, end: Flat, radius_mm: float, left: bool, unit:
         raise ProgramError(
             "an arc with R cannot end where it starts; give the centre by I, J or K instead"
         )
-    if half_mm - abs(radius_mm) > NOTHING_MM[unit]:
+    if half_mm - abs(radius_mm) > NOTHING_MM:
         raise ProgramError(
             f"radius {abs(radius_mm):.4f} mm is too small: the end is {2 * half_mm:.4f} mm away"
         )
@@ -50,14 +51,14 @@ def centre_by_radius(start: Flat, end: Flat, radius_mm: float, left: bool, unit:
 
 
 def check_centre(start: Flat, end: Flat, centre: Flat, unit: float) -> None:
-    """See that an arc closes.
+    """See that an arc closes; ``unit`` is one unit of the program in mm.
 
     Raises:
         ProgramError: the radius is nothing, or differs too much between start and end.
     """
     first_mm = math.dist(start, centre)
     last_mm = math.dist(end, centre)
-    if min(first_mm, last_mm) < NOTHING_MM[unit]:
+    if min(first_mm, last_mm) < NOTHING_MM:
         raise ProgramError("the arc has no radius: its centre lies on its start or its end")
     error_mm = abs(first_mm - last_mm)
     closed_mm = CLOSED_MM[unit]

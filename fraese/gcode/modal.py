@@ -100,7 +100,7 @@ ARCS: Final = frozenset({20, 30})
 PROBES: Final = frozenset({382, 383, 384, 385})
 CYCLES: Final = frozenset({730, 810, 820, 830, 850, 860, 890})
 # Codes outside the motion group that use X, Y and Z for themselves.
-AXIS_USERS: Final = frozenset({100, 280, 300, 431, 432, 520, 920})
+AXIS_USERS: Final = frozenset({100, 280, 300, 431, 520, 920})
 
 # word -> (codes that use it, how to say so)
 WORD_USERS: Final[dict[str, tuple[frozenset[int], str]]] = {

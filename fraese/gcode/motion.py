@@ -223,7 +223,7 @@ class Motion:
         scale = self.modal.scale_mm
         radius = words.get("r")
         if radius is not None:
-            return arcs.centre_by_radius(start, end, radius * scale, left, scale)
+            return arcs.centre_by_radius(start, end, radius * scale, left)
         first, second, _ = PLANE_AXES[self.modal.plane]
         letters = OFFSET_LETTERS[first], OFFSET_LETTERS[second]
         if self.modal.arc_absolute:

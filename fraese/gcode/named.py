@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 
 POSITION: Final = 5420
 TOOL_NUMBER: Final = 5400
-TOOL_OFFSET: Final = 5401
+# Of the tool in the spindle, in mm whatever the unit of the program.
+TOOL_LENGTH: Final = 5403
 TOOL_DIAMETER: Final = 5410
 # The language is that of LinuxCNC 2.9.
 VERSION: Final = (2.9, 0.0)
@@ -40,10 +41,6 @@ def _machine_position(interpreter: Interpreter, axis: int) -> Live:
     return lambda: interpreter.position_mm[axis] / interpreter._modal.scale_mm
 
 
-def _tool_offset(interpreter: Interpreter, axis: int) -> Live:
-    return lambda: interpreter._coordinates.tool[axis] / interpreter._modal.scale_mm
-
-
 def _constant(value: float) -> Live:
     return lambda: value
 
@@ -52,9 +49,9 @@ def _numbered(interpreter: Interpreter) -> dict[int, Live]:
     modal = interpreter._modal
     return {
         TOOL_NUMBER: lambda: float(modal.tool),
-        TOOL_DIAMETER: lambda: interpreter._settings.diameter_mm(modal.tool) / modal.scale_mm,
+        TOOL_LENGTH: lambda: interpreter._settings.tool_data(modal.tool).length_mm,
+        TOOL_DIAMETER: lambda: interpreter._settings.tool_data(modal.tool).diameter_mm,
         **{POSITION + axis: _program_position(interpreter, axis) for axis in range(3)},
-        **{TOOL_OFFSET + axis: _tool_offset(interpreter, axis) for axis in range(3)},
     }
 
 

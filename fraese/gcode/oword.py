@@ -73,7 +73,7 @@ class Flow:
         self.value_returned = 0.0
         self._callers: list[Frame] = []
         self._parameters = parameters
-        self._library = Library(source, folders)
+        self._library = Library(source, folders, self._label)
         self._max_idle_lines = max_idle_lines
 
     @property
@@ -154,20 +154,25 @@ class Flow:
     def _skip(self, word: OWord, *keywords: str) -> OWord:
         """Go on to the next O-word of the same name with one of these keywords."""
         while (text := self.source.next()) is not None:
-            found = self._label_of(plain(text))
+            found = self._passed(text)
             if found is not None and found.name == word.name and found.keyword in keywords:
                 return found
         said = " or ".join(keywords)
         raise ProgramError(f"o<{word.name}> {word.keyword} has no {said} before the end of file")
 
-    def _label_of(self, text: str) -> OWord | None:
-        if not text.startswith("o"):
+    def _passed(self, text: str) -> OWord | None:
+        """The O-word on a line that is only passed over: what is wrong with it is no matter."""
+        if "o" not in text and "O" not in text:
             return None
         try:
-            return self.read(text)
+            text = plain(text)
+            return self.read(text) if text.startswith("o") else None
         except ProgramError:
-            # Not our business: the line is only passed over.
             return None
+
+    def _label(self, text: str) -> tuple[str, str] | None:
+        found = self._passed(text)
+        return None if found is None else (found.name, found.keyword)
 
     def _begin(self, word: OWord) -> None:
         """A label belongs to one line, so that skipping finds the right end."""

@@ -109,23 +109,21 @@ class Settings:
         self._tool_offset((0.0, 0.0, self._length_of(block)))
 
     def _added_length(self, block: Block) -> None:
+        if "h" not in block.words:
+            raise ProgramError("G43.2 needs an H word")
         x, y, z = self._coordinates.tool
-        if "h" in block.words:
-            self._tool_offset((x, y, z + self._length_of(block)))
-            return
-        dx, dy, dz = self._given(block, ORIGIN)
-        self._tool_offset((x + dx, y + dy, z + dz))
+        self._tool_offset((x, y, z + self._length_of(block)))
 
     def _dynamic_length(self, block: Block) -> None:
         self._tool_offset(self._given(block, self._coordinates.tool))
 
     def _length_of(self, block: Block) -> float:
         word = block.words.get("h")
-        number = self._modal.tool if word is None else whole(word, "the H word")
+        number = 0 if word is None else whole(word, "the H word")
         if number < 0:
             raise ProgramError("the H word must not be negative")
-        if number == 0:
-            return 0.0
+        # H0 is whatever is in the spindle.
+        number = number or self._modal.tool
         self.check_tool(number)
         return self._tools.get(number, ToolData()).length_mm
 
@@ -140,9 +138,9 @@ class Settings:
         if number and not self._any_tool and number not in self._tools:
             raise ProgramError(f"tool {number} is not in the tool table")
 
-    def diameter_mm(self, number: int) -> float:
-        """Diameter of a tool, 0 where unknown."""
-        return self._tools.get(number, ToolData()).diameter_mm
+    def tool_data(self, number: int) -> ToolData:
+        """What is known of a tool; nothing is 0."""
+        return self._tools.get(number, ToolData())
 
     def _given(self, block: Block, otherwise: Point) -> Point:
         """The axis words in mm, or what holds where there is none."""

@@ -1,7 +1,7 @@
 """Where subroutines come from: the program itself, or files of their own."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -9,11 +9,9 @@ from typing import Final
 from fraese.errors import ProgramError
 from fraese.gcode.source import Source
 from fraese.gcode.text import read_lines
-from fraese.gcode.words import plain
 
 # A subroutine's body is held in memory; this is far beyond any that a person wrote.
 MAX_BODY: Final = 200_000
-_HEAD = re.compile(r"o(?:<([^<>]+)>|([0-9]+))(sub|endsub)\(*$")
 _FILE_NAME = re.compile(r"[a-z0-9_+-][a-z0-9_.+-]*")
 
 
@@ -26,32 +24,18 @@ class Sub:
     lines: tuple[str, ...]
 
 
-def _head(text: str) -> tuple[str, str] | None:
-    """Name and keyword, where a line begins or ends a subroutine."""
-    if "sub" not in text.lower():
-        return None
-    try:
-        line = plain(text)
-    except ProgramError:
-        return None
-    if line.startswith("o") and (end := line.find("endsub")) >= 0:
-        line = line[: end + len("endsub")]
-    match = _HEAD.match(line)
-    if match is None:
-        return None
-    name = match.group(1) or str(int(match.group(2)))
-    return name, match.group(3)
+# Name and keyword of the O-word on a line, None where there is none.
+Label = Callable[[str], tuple[str, str] | None]
 
 
 class Library:
     """All subroutines that are known so far."""
 
-    def __init__(self, program: Source, folders: tuple[Path, ...]) -> None:
+    def __init__(self, program: Source, folders: tuple[Path, ...], label: Label) -> None:
         self._program = program
+        self._label = label
         self._folders = folders
         self._subs: dict[str, Sub] = {}
-        # subroutines that were called before the program reached their definition
-        self._ahead: set[str] = set()
 
     def define(self, name: str, source: Source) -> None:
         """Take in the subroutine whose ``sub`` line was read from the source just now.
@@ -59,15 +43,13 @@ class Library:
         Raises:
             ProgramError: it is defined twice, or has no end.
         """
-        known = self._subs.get(name)
-        sub = _body(name, source)
-        if known is not None and (known != sub or name in self._ahead):
-            first = known.first_line - 1
+        if name in self._subs:
+            first = self._subs[name].first_line - 1
             raise ProgramError(
                 f"o<{name}> sub: the program must not run into a subroutine that is already "
-                f"defined (line {first}); end it with M2 before"
+                f"defined (line {first}); end it with M2 before, or define it once"
             )
-        self._subs[name] = sub
+        self._subs[name] = self._body(name, source)
 
     def find(self, name: str) -> Sub:
         """A subroutine by name: known, in a file of its own, or further ahead.
@@ -93,17 +75,16 @@ class Library:
 
     def _take_all(self, path: Path) -> None:
         source = Source(read_lines(path), path.name)
-        for found in _heads(source):
-            self._subs.setdefault(found, _body(found, source))
+        for found in self._heads(source):
+            self._subs.setdefault(found, self._body(found, source))
 
     def _look_ahead(self, name: str) -> None:
         program = self._program
         place = program.hold()
         try:
-            for found in _heads(program):
+            for found in self._heads(program):
                 if found == name:
-                    self._subs[name] = _body(name, program)
-                    self._ahead.add(name)
+                    self._subs[name] = self._body(name, program)
                     return
         finally:
             program.back(place)
@@ -111,26 +92,24 @@ class Library:
         where = "in the program" + (" or the subroutine folders" if self._folders else "")
         raise ProgramError(f"o<{name}> call: there is no such subroutine {where}")
 
+    def _heads(self, source: Source) -> Iterator[str]:
+        for text in _lines(source):
+            label = self._label(text)
+            if label is not None and label[1] == "sub":
+                yield label[0]
+
+    def _body(self, name: str, source: Source) -> Sub:
+        first = source.line + 1
+        lines: list[str] = []
+        for text in _lines(source):
+            lines.append(text)
+            if self._label(text) == (name, "endsub"):
+                return Sub(source.file, first, tuple(lines))
+            if len(lines) > MAX_BODY:
+                raise ProgramError(f"o<{name}> sub is longer than {MAX_BODY} lines")
+        raise ProgramError(f"o<{name}> sub has no endsub before the end of file")
+
 
 def _lines(source: Source) -> Iterator[str]:
     while (text := source.next()) is not None:
         yield text
-
-
-def _heads(source: Source) -> Iterable[str]:
-    for text in _lines(source):
-        head = _head(text)
-        if head is not None and head[1] == "sub":
-            yield head[0]
-
-
-def _body(name: str, source: Source) -> Sub:
-    first = source.line + 1
-    lines: list[str] = []
-    for text in _lines(source):
-        lines.append(text)
-        if _head(text) == (name, "endsub"):
-            return Sub(source.file, first, tuple(lines))
-        if len(lines) > MAX_BODY:
-            raise ProgramError(f"o<{name}> sub is longer than {MAX_BODY} lines")
-    raise ProgramError(f"o<{name}> sub has no endsub before the end of file")

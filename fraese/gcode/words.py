@@ -234,7 +234,10 @@ def _shared_axes(block: Block) -> bool:
     """Whether axis words are there and left for the motion."""
     codes = block.codes
     users = [code for code in codes.values() if code in AXIS_USERS]
-    if users and block.motion is not None and (block.has_axes or "nonmodal" in codes):
+    # A tool offset by axis words shares them with the motion; what is non-modal does not.
+    if block.motion is not None:
+        users = [code for code in users if code != 431]
+    if users and block.motion is not None:
         codes_said = f"{modal.name(users[0])} and {modal.name(block.motion)}"
         raise ProgramError(f"{codes_said} both use axis words; use two lines")
     if "cancel" in codes:

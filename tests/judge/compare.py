@@ -54,7 +54,7 @@ def _short_of(start: canon.Point, to: canon.Point) -> canon.Facts:
     length_mm = math.dist(start, to)
     part = max(0.0, 1 - 0.01 * INCH_MM / length_mm)
     x, y, z = (a + (b - a) * part for a, b in zip(start, to, strict=True))
-    return canon.Facts((x, y, z), touched=True)
+    return canon.Facts((x, y, z), touched=True, contact_mm=to)
 
 
 def _event(move: canon.Move) -> Event:
