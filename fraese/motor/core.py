@@ -104,6 +104,7 @@ class MotorCore:
         self._last_cycles = 0
         self._coming_cycles = 0
         self._fall_at_cycles = 0
+        self._fell_cycles = 0
         self._not_before_cycles = 0
         self._first_entries: Entries = ()
 
@@ -266,8 +267,9 @@ class MotorCore:
         entries = self._card.begin(cursor.directions, cursor.leader)
         if entries:
             self._write(entries)
+            written_cycles = max(self._due_cycles, self._fell_cycles)
             self._not_before_cycles = max(
-                self._not_before_cycles, self._due_cycles + self._card.setup_cycles
+                self._not_before_cycles, written_cycles + self._card.setup_cycles
             )
 
     def _play_block(self, cursor: Cursor, end_ns: int) -> bool:
@@ -302,8 +304,10 @@ class MotorCore:
         due, base_ns = self._due_cycles, self._base_ns
         not_before, first_entries = self._not_before_cycles, self._first_entries
         while left:
-            if has_fall and self._fall_at_cycles and not self._fall(end_ns):
-                break
+            if has_fall and self._fall_at_cycles:
+                if not self._fall(end_ns):
+                    break
+                base_ns = self._base_ns
             if self._calm:
                 cycles = interval_q8 >> 8
             else:
@@ -321,7 +325,7 @@ class MotorCore:
                 break
             now_ns = wait_until(deadline_ns)
             if now_ns > deadline_ns:
-                base_ns += self._late(now_ns - deadline_ns, next_due - due)
+                self._base_ns = base_ns = base_ns + self._late(now_ns - deadline_ns, next_due - due)
             self._last_cycles = next_due - due
             due = next_due
             moving = leader_bit
@@ -342,7 +346,8 @@ class MotorCore:
             left -= 1
             interval_q8 += add_q8
             if has_fall:
-                self._fall_at_cycles = due + max(pulse_cycles, self._last_cycles >> 1)
+                # Half the interval of the plan: a wait for directions does not lengthen a pulse.
+                self._fall_at_cycles = due + max(pulse_cycles, cycles >> 1)
                 not_before = self._fall_at_cycles + pulse_cycles
         cursor.interval_q8, cursor.piece_left = interval_q8, left
         self._due_cycles, self._base_ns = due, base_ns
@@ -387,7 +392,7 @@ class MotorCore:
         return block.weight * (rate_hz**2 - jump_hz**2) > _shed(block, left) + ahead
 
     def _late(self, late_ns: int, cycles: int) -> int:
-        """How far to move all that follows: a tick later than a quarter of its interval."""
+        """How far to move all that follows: an edge later than a quarter of its interval."""
         if late_ns * 8 <= cycles * 125:
             return 0
         self._late_ticks += 1
@@ -395,12 +400,16 @@ class MotorCore:
 
     def _fall(self, end_ns: int) -> bool:
         """Write the falling edge that is due; False if that is not before ``end_ns``."""
-        deadline_ns = self._base_ns + (self._fall_at_cycles * 125 >> 1)
+        fall_cycles = self._fall_at_cycles
+        deadline_ns = self._base_ns + (fall_cycles * 125 >> 1)
         if deadline_ns > end_ns:
             self._clock.wait_until(end_ns)
             return False
-        self._clock.wait_until(deadline_ns)
+        now_ns = self._clock.wait_until(deadline_ns)
+        if now_ns > deadline_ns:
+            self._base_ns += self._late(now_ns - deadline_ns, self._last_cycles >> 1)
         self._fall_at_cycles = 0
+        self._fell_cycles = fall_cycles
         self._write(self._card.fall)
         return True
 
@@ -459,7 +468,7 @@ class MotorCore:
         self._write(self._card.signals(False, False))
         self._write(self._card.set_outputs(self._safe_outputs, 0))
         self._standing = True
-        self._last_cycles = self._due_cycles = self._coming_cycles = 0
+        self._last_cycles = self._due_cycles = self._coming_cycles = self._fell_cycles = 0
 
     def _require_standstill(self, what: str) -> None:
         if not self._standing:
