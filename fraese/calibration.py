@@ -25,7 +25,6 @@ from fraese.errors import HomingError
 from fraese.jobs import STANDSTILL, Ask, Job, Standstill
 from fraese.machine import Axis
 from fraese.motor.seams import End, Ended, Report
-from fraese.planner.lines import plan_line
 
 if TYPE_CHECKING:
     from fraese.controller import Controller
@@ -122,9 +121,7 @@ class Homing:
         watch = self._controller.switch_watch(closed=False, action=WatchAction.IGNORE)
         delta = [0] * len(self._machine.axes)
         delta[index] = distance
-        block = plan_line(self._machine, tuple(delta), self._config.approach_mm_min, watch=watch)
-        if block is not None:
-            yield block
+        yield from self._controller.line(tuple(delta), self._config.approach_mm_min, watch)
         report = yield STANDSTILL
         if report.switch_closed:
             raise HomingError(
@@ -189,10 +186,7 @@ class Homing:
         delta = [0] * len(self._machine.axes)
         delta[index] = axis.to_steps(distance_mm)
         watch = self._controller.switch_watch(closed=closed, action=WatchAction.STOP)
-        block = plan_line(self._machine, tuple(delta), feed_mm_min, watch=watch)
-        if block is None:
-            return (yield STANDSTILL)
-        yield block
+        yield from self._controller.line(tuple(delta), feed_mm_min, watch)
         return (yield STANDSTILL)
 
     def _name(self, axis: Axis, sign: int) -> str:

@@ -30,6 +30,8 @@ from fraese.journal import Kept
 from fraese.log import LogFile, logged
 from fraese.machine import Axis, Machine, Steps
 from fraese.motor.seams import Clock, End, IdleLevel, Report, StepDriver, SwitchMode
+from fraese.offsets import WorkOffsets
+from fraese.planner.backlash import Carriages, take_up
 from fraese.planner.lines import plan_line
 from fraese.runner import Runner
 from fraese.state import JobProgress, MachineState, Status
@@ -79,8 +81,8 @@ class Controller:
         self._show_pos: Callable[[], None] = _nothing
         self._break_key: Callable[[], None] = _nothing
         axes = len(machine.axes)
-        self._origin_steps = [0] * axes
-        self._offset_mm = [0.0] * axes
+        self._carriages = Carriages(machine, (0,) * axes)
+        self.offsets = WorkOffsets(axes)
         self._referenced = [False] * axes
         self._status = Status.OK
         self._message = ""
@@ -92,7 +94,7 @@ class Controller:
         driver.set_switch_mode(self._switch_mode)
         braking_s = max(axis.max_rate_hz / axis.acceleration_hz_s for axis in machine.axes)
         lead_s = max(config.run.lead_s, braking_s + 2 * slice_s)
-        self._runner = Runner(driver, lead_s, slice_s)
+        self._runner = Runner(driver, self._carriages, lead_s, slice_s)
 
     # --- callbacks -----------------------------------------------------------------------------
 
@@ -268,7 +270,7 @@ class Controller:
         self._check_target(tuple(target))
         watch = self._watch_for_jog(index, distance_steps)
         delta = tuple(to - at for to, at in zip(target, here, strict=True))
-        self.start(f"jog {axis.upper()}", self._line(delta, self.config.jog.feed_mm_min, watch))
+        self.start(f"jog {axis.upper()}", self.line(delta, self.config.jog.feed_mm_min, watch))
 
     @logged
     def move_to(
@@ -301,11 +303,11 @@ class Controller:
             if relative:
                 value_mm += axis.to_mm(here[index])
             elif not machine_coordinates:
-                value_mm += self._offset_mm[index]
+                value_mm += self.offset_mm[index]
             target[index] = axis.to_steps(value_mm)
         self.check_moves([tuple(target)])
         delta = tuple(to - at for to, at in zip(target, here, strict=True))
-        self.start("move", self._line(delta, feed_mm_min))
+        self.start("move", self.line(delta, feed_mm_min))
 
     @logged
     def run_curve(
@@ -319,7 +321,7 @@ class Controller:
         """
         targets = [
             self.machine.to_steps(
-                tuple(mm + offset for mm, offset in zip(point, self._offset_mm, strict=True))
+                tuple(mm + offset for mm, offset in zip(point, self.offset_mm, strict=True))
             )
             for point in points_mm
         ]
@@ -350,7 +352,7 @@ class Controller:
         for name in axes:
             index = self.machine.index(name)
             at_mm = self.machine.axes[index].to_mm(self.position_steps()[index])
-            self._offset_mm[index] = at_mm - value_mm
+            self.offsets.set_zero(index, at_mm, value_mm)
 
     @logged
     def ignore_switches(self, ignore: bool) -> None:
@@ -380,24 +382,34 @@ class Controller:
 
     def position_steps(self) -> Steps:
         """Machine position of every axis."""
-        return self._to_axes(self._runner.report.position_steps)
+        return self._runner.position_steps()
 
-    def _to_axes(self, motor_steps: Steps) -> Steps:
-        return tuple(
-            origin + axis.motor_sign * n
-            for origin, axis, n in zip(
-                self._origin_steps, self.machine.axes, motor_steps, strict=True
-            )
-        )
+    @property
+    def slack_steps(self) -> Steps:
+        """How much of each axis' backlash lies between motor and carriage; at standstill."""
+        return self._carriages.slack_steps
 
     def latched_steps(self, report: Report) -> Steps:
-        """Machine position at the contact that fulfilled a watch."""
-        return self._to_axes(report.latched_steps or report.position_steps)
+        """Machine position at the contact that fulfilled a watch.
+
+        The motors have not turned round since, so what they did since then their axes did too.
+        """
+        since = zip(
+            report.position_steps, report.latched_steps or report.position_steps, strict=True
+        )
+        return tuple(
+            here - axis.motor_sign * (now - then)
+            for here, axis, (now, then) in zip(
+                self.position_steps(), self.machine.axes, since, strict=True
+            )
+        )
 
     def set_reference(self, axis: str, position_steps: int) -> None:
         """Let the present position of an axis be this one, and count it as referenced."""
         index = self.machine.index(axis)
-        self._origin_steps[index] += position_steps - self.position_steps()[index]
+        position = list(self.position_steps())
+        position[index] = position_steps
+        self._carriages.position_steps = tuple(position)
         self._referenced[index] = True
 
     def lose_reference(self, axis: str) -> None:
@@ -411,7 +423,7 @@ class Controller:
     @property
     def offset_mm(self) -> tuple[float, ...]:
         """Where the work zero lies, in machine coordinates."""
-        return tuple(self._offset_mm)
+        return self.offsets.offset_mm()
 
     def where(self) -> str:
         """The machine position in words."""
@@ -425,23 +437,17 @@ class Controller:
         """What must survive a restart."""
         return Kept(
             position_steps=self.position_steps(),
-            offset_mm=self.offset_mm,
+            slack_steps=self.slack_steps,
+            parameters=self.offsets.parameters,
             referenced=tuple(self._referenced),
             phases=self._runner.report.phases,
         )
 
     def take_up(self, kept: Kept) -> None:
         """Go on where another run ended; the phases are the driver maker's business."""
-        self._origin_steps = [
-            n - axis.motor_sign * motor
-            for n, axis, motor in zip(
-                kept.position_steps,
-                self.machine.axes,
-                self._runner.report.position_steps,
-                strict=True,
-            )
-        ]
-        self._offset_mm = list(kept.offset_mm)
+        self._carriages.position_steps = kept.position_steps
+        self._carriages.slack_steps = kept.slack_steps
+        self.offsets.replace(kept.parameters)
         self._referenced = list(kept.referenced)
 
     # --- limits --------------------------------------------------------------------------------
@@ -475,7 +481,7 @@ class Controller:
                 )
 
     def _outside(self, axis: Axis, target_steps: int) -> str:
-        offset_mm = self._offset_mm[self.machine.index(axis.name)]
+        offset_mm = self.offset_mm[self.machine.index(axis.name)]
         work = (
             f" (work {axis.low_mm - offset_mm:.3f} to {axis.high_mm - offset_mm:.3f})"
             if offset_mm
@@ -551,10 +557,18 @@ class Controller:
     def _axis(self, name: str) -> Axis:
         return self.machine.axes[self.machine.index(name)]
 
-    def _line(self, delta: Steps, feed_mm_min: float | None, watch: Watch | None = None) -> Job:
-        block = plan_line(self.machine, delta, feed_mm_min, watch=watch)
-        if block is not None:
-            yield block
+    def line(self, delta: Steps, feed_mm_min: float | None, watch: Watch | None = None) -> Job:
+        """A straight line from rest to rest, by signed axis steps; backlash is taken up first."""
+        slack = tuple(
+            take_up(slack, axis.backlash_steps, n)
+            for slack, axis, n in zip(self.slack_steps, self.machine.axes, delta, strict=True)
+        )
+        for block in (
+            plan_line(self.machine, slack),
+            plan_line(self.machine, delta, feed_mm_min, watch=watch),
+        ):
+            if block is not None:
+                yield block
 
     def _curve(self, targets: Sequence[Steps], feed_mm_min: float | None) -> Job:
         here = self.position_steps()
@@ -593,7 +607,8 @@ class Controller:
         """Everything that can be shown, as it is now. From any thread."""
         report = self._runner.report
         machine = self.machine
-        position_steps = self._to_axes(report.position_steps)
+        position_steps = self.position_steps()
+        offset_mm = self.offset_mm
         position_mm = machine.to_mm(position_steps)
         progress = self._progress
         if self._status is Status.RUN:
@@ -604,10 +619,8 @@ class Controller:
             axes=tuple(axis.name for axis in machine.axes),
             position_steps=position_steps,
             position_mm=position_mm,
-            work_mm=tuple(
-                mm - offset for mm, offset in zip(position_mm, self._offset_mm, strict=True)
-            ),
-            offset_mm=tuple(self._offset_mm),
+            work_mm=tuple(mm - offset for mm, offset in zip(position_mm, offset_mm, strict=True)),
+            offset_mm=offset_mm,
             referenced=tuple(self._referenced),
             low_mm=tuple(axis.low_mm for axis in machine.axes),
             high_mm=tuple(axis.high_mm for axis in machine.axes),

@@ -23,7 +23,8 @@ class Kept(BaseModel):
 
     Attributes:
         position_steps: machine position per axis.
-        offset_mm: work zero per axis.
+        slack_steps: backlash between motor and carriage, per axis.
+        parameters: persistent parameters of the language, work offsets among them.
         referenced: per axis.
         phases: phase index per motor.
         simulation: what the simulated mill needs to be found as it was left.
@@ -33,7 +34,8 @@ class Kept(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     position_steps: tuple[int, ...]
-    offset_mm: tuple[float, ...]
+    slack_steps: tuple[int, ...]
+    parameters: dict[int, float]
     referenced: tuple[bool, ...]
     phases: tuple[int, ...]
     simulation: tuple[tuple[float, float, float], ...] = ()
@@ -68,7 +70,7 @@ class Journal:
             raise ConfigError(
                 f"{self.path}: is damaged; start with --fresh and reference the machine."
             ) from error
-        per_axis = (kept.position_steps, kept.offset_mm, kept.referenced, kept.phases)
+        per_axis = (kept.position_steps, kept.slack_steps, kept.referenced, kept.phases)
         if any(len(values) != axes for values in per_axis):
             raise ConfigError(
                 f"{self.path}: belongs to a machine with another number of axes; start with"

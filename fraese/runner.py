@@ -13,11 +13,13 @@ Rule 3: a job ends in exactly one way: done, cancelled, stopped by a switch, or 
 from collections import deque
 from typing import NamedTuple
 
-from fraese.blocks import CYCLES_PER_S, Block
+from fraese.blocks import Block
 from fraese.errors import FraeseError
 from fraese.jobs import Ask, Job, Standstill
+from fraese.machine import Steps
 from fraese.motor.seams import Ended, Report, StepDriver
-from fraese.planner.lines import mm_per_tick
+from fraese.planner.backlash import Carriages
+from fraese.planner.lines import mm_per_tick, planned_s
 from fraese.state import Status
 
 
@@ -25,6 +27,7 @@ class _Ahead(NamedTuple):
     """What is remembered of a block in the queue."""
 
     serial: int
+    steps: tuple[int, ...]
     ticks: int
     duration_s: float
     mm_per_tick: float
@@ -35,6 +38,7 @@ class Runner:
 
     Args:
         driver: what plays the blocks.
+        carriages: told every block that was played, in order; nobody else tells them.
         lead_s: motion to keep in the queue.
         slice_s: how long one poll may take.
 
@@ -45,8 +49,11 @@ class Runner:
         question: what the operator is asked now; empty if nothing.
     """
 
-    def __init__(self, driver: StepDriver, lead_s: float, slice_s: float) -> None:
+    def __init__(
+        self, driver: StepDriver, carriages: Carriages, lead_s: float, slice_s: float
+    ) -> None:
         self._driver = driver
+        self._carriages = carriages
         self._lead_s = lead_s
         self._slice_s = slice_s
         self.report: Report = driver.poll(0)
@@ -60,6 +67,8 @@ class Runner:
         self._report_is_fresh = True
         self._ahead: deque[_Ahead] = deque()
         self._serial = self._serial_at_start = self.report.playing
+        # Motor steps that the carriages have been told of.
+        self._told_steps = self.report.position_steps
         self._cancel = False
         self._stop = False
         self._held = False
@@ -124,13 +133,26 @@ class Runner:
         self._forget_played()
         return self._judge(self.report)
 
+    def position_steps(self) -> Steps:
+        """Axis positions at the last report."""
+        return self._carriages.seen(self._untold())
+
+    def _untold(self) -> Steps:
+        now = self.report.position_steps
+        return tuple(a - b for a, b in zip(now, self._told_steps, strict=True))
+
+    def _tell(self, motor_steps: Steps) -> None:
+        self._carriages.advance(motor_steps)
+        self._told_steps = tuple(a + b for a, b in zip(self._told_steps, motor_steps, strict=True))
+
     def _forget_played(self) -> None:
+        while self._ahead and self._ahead[0].serial < self.report.playing:
+            self._tell(self._ahead.popleft().steps)
         if not self.report.queued:
-            # Played, or dropped by a watch: then the driver has not counted them.
+            # The last one was played, or dropped half-way; what a driver drops it does not count.
+            self._tell(self._untold())
             self._ahead.clear()
             self._serial = self.report.playing
-        while self._ahead and self._ahead[0].serial < self.report.playing:
-            self._ahead.popleft()
 
     def mm_per_tick(self) -> float:
         """Path length of one tick of the block in hand, mm; 0 at standstill."""
@@ -162,16 +184,17 @@ class Runner:
         self._serial += 1
         self.blocks += 1
         self._report_is_fresh = False
-        cycles = sum(p.ticks * (p.interval_q8 + p.last_interval_q8()) // 512 for p in block.pieces)
+        duration_s = planned_s(block)
         self._ahead.append(
             _Ahead(
                 self._serial,
+                block.steps,
                 max(1, block.ticks()),
-                cycles / CYCLES_PER_S,
+                duration_s,
                 mm_per_tick(block.weight),
             )
         )
-        return cycles / CYCLES_PER_S
+        return duration_s
 
     def _advance(self) -> None:
         if self._job is None:
@@ -214,7 +237,7 @@ class Runner:
         if self._job is not None:
             self._job.close()
         self._job = self._pending = self._wait = None
-        self._ahead.clear()
         self.question = ""
         self.look()
+        self._forget_played()
         return status

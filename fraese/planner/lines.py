@@ -7,7 +7,15 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from fraese.blocks import Block, Outputs, Watch, accel_q_from_hz_s, rate_q8_from_hz
+from fraese.blocks import (
+    CYCLES_PER_S,
+    Q8,
+    Block,
+    Outputs,
+    Watch,
+    accel_q_from_hz_s,
+    rate_q8_from_hz,
+)
 from fraese.machine import Machine, Steps
 from fraese.planner.ramps import time_law
 
@@ -34,6 +42,12 @@ class LineLimits:
 def mm_per_tick(weight: int) -> float:
     """Path length of one tick, from a block's weight."""
     return math.sqrt(weight / _WEIGHT_PER_MM2)
+
+
+def planned_s(block: Block) -> float:
+    """Duration of a block as planned, to a cycle per tick."""
+    cycles_q8 = sum(p.ticks * (p.interval_q8 + p.last_interval_q8()) for p in block.pieces)
+    return cycles_q8 / (2 * Q8 * CYCLES_PER_S)
 
 
 def line_limits(machine: Machine, delta_steps: Steps) -> LineLimits:
