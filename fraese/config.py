@@ -305,6 +305,29 @@ class RunConfig(Section):
     default_feed_mm_min: Positive = Field(
         300, description=("Feed of straight moves commanded without one, mm/min.")
     )
+    optional_stop: bool = Field(False, description="Whether M1 stops.")
+    block_delete: bool = Field(
+        False, description="Whether lines that start with a slash are left out."
+    )
+    confirm_spindle: bool = Field(
+        False,
+        description=(
+            "Whether the operator must confirm that a spindle switched by hand runs or stands."
+        ),
+    )
+    spin_up_s: float = Field(
+        2, ge=0, le=60, description="Wait after switching a configured spindle output on, s."
+    )
+    safe_z_mm: float | None = Field(
+        None,
+        description=(
+            "Height for moves above the work, machine coordinates, mm; without it, the upper end"
+            " of the travel."
+        ),
+    )
+    list_unit: Literal["mm", "inch"] = Field(
+        "mm", description="Unit of coordinate lists that do not say theirs."
+    )
     lead_s: float = Field(
         0.3, ge=0.05, le=10, description=("Motion kept in the queue ahead of the motors, s.")
     )
@@ -338,6 +361,25 @@ class PlannerConfig(Section):
     )
     window: int = Field(
         200, ge=8, le=10_000, description=("Segments that the look-ahead holds at most.")
+    )
+
+
+class ToolConfig(Section):
+    """One tool of the tool table."""
+
+    length_mm: float = Field(0, description="Length offset that G43 applies, mm.")
+    diameter_mm: NotNegative = Field(0, description="Diameter, mm.")
+
+
+class ProbeConfig(Section):
+    """The probe of G38.2 to G38.5."""
+
+    pin: Literal[10, 11, 12, 13, 15] = Field(
+        11,
+        description="DB25 pin of the status register; 11 is shared with the end switches.",
+    )
+    closed_reads: Literal[0, 1] = Field(
+        0, description="How the pin's register bit reads with contact."
     )
 
 
@@ -388,8 +430,21 @@ class Config(Section):
     jog: JogConfig = JogConfig()
     run: RunConfig = RunConfig()
     planner: PlannerConfig = PlannerConfig()
+    probe: ProbeConfig = ProbeConfig()
+    tools: dict[str, ToolConfig] = Field(
+        default_factory=dict,
+        description="Tool table by tool number; empty: every tool is allowed and has length 0.",
+    )
     simulation: SimulationConfig = SimulationConfig()
     log: LogConfig = LogConfig()
+
+    @field_validator("tools")
+    @classmethod
+    def _numbered(cls, value: dict[str, ToolConfig]) -> dict[str, ToolConfig]:
+        for key in value:
+            if not key.isdecimal():
+                raise ValueError(f'tools are named by number, as in [tools.1]; "{key}" is none')
+        return value
 
     @model_validator(mode="after")
     def _fits_together(self) -> "Config":

@@ -24,6 +24,7 @@ from typing import Final
 from fraese.blocks import Watch, WatchAction
 from fraese.calibration import Homing
 from fraese.config import Config
+from fraese.context import ProgramContext
 from fraese.errors import FraeseError, LimitError, StateError, SwitchAlarm
 from fraese.jobs import Job
 from fraese.journal import Kept
@@ -90,6 +91,7 @@ class Controller:
         self._job_from_ns = 0
         self._idle_at_ns: int | None = None
         self.error: FraeseError | None = None
+        self.override = 1.0
         self._switch_mode = SwitchMode(config.switches.mode)
         driver.set_switch_mode(self._switch_mode)
         braking_s = max(axis.max_rate_hz / axis.acceleration_hz_s for axis in machine.axes)
@@ -374,6 +376,16 @@ class Controller:
         if self.log is not None:
             self.log.switch(on)
 
+    def set_override(self, factor: float) -> None:
+        """Feed override, 0.1 to 2; acts on what is not in the driver's queue yet. Any thread.
+
+        Raises:
+            LimitError: if it is outside.
+        """
+        if not 0.1 <= factor <= 2:
+            raise LimitError(f"A feed override is 10 to 200 %, not {factor * 100:g} %.")
+        self.override = factor
+
     def say(self, message: str) -> None:
         """Show a message."""
         self._message = message
@@ -432,6 +444,17 @@ class Controller:
             f"{axis.name.upper()} {mm:.3f}"
             for axis, mm in zip(self.machine.axes, position_mm, strict=True)
         ) + " mm (machine)"  # fmt: skip
+
+    def program_context(self) -> ProgramContext:
+        """The machine as a program finds it now."""
+        return ProgramContext(
+            config=self.config,
+            machine=self.machine,
+            start_steps=self.position_steps(),
+            slack_steps=self.slack_steps,
+            referenced=tuple(self._referenced),
+            parameters=dict(self.offsets.parameters),
+        )
 
     def keep(self) -> Kept:
         """What must survive a restart."""
@@ -504,6 +527,17 @@ class Controller:
         mask = INPUT_PINS[switches.pin][0]
         bit_set = bool(switches.closed_reads) == closed
         return Watch(mask, mask if bit_set else 0, action)
+
+    def probe_watch(self, *, closed: bool, action: WatchAction) -> Watch:
+        """A watch on the probe input."""
+        probe = self.config.probe
+        mask = INPUT_PINS[probe.pin][0]
+        return Watch(mask, mask if bool(probe.closed_reads) == closed else 0, action)
+
+    def probe_closed(self) -> bool:
+        """Whether the probe touches, as last read."""
+        watch = self.probe_watch(closed=True, action=WatchAction.IGNORE)
+        return self._runner.report.inputs & watch.mask == watch.value
 
     def ends(self) -> frozenset[End]:
         """Ends that the present contact may be, in axis directions.
@@ -607,7 +641,7 @@ class Controller:
         """Everything that can be shown, as it is now. From any thread."""
         report = self._runner.report
         machine = self.machine
-        position_steps = self.position_steps()
+        position_steps = self._runner.seen_steps
         offset_mm = self.offset_mm
         position_mm = machine.to_mm(position_steps)
         progress = self._progress
@@ -640,4 +674,5 @@ class Controller:
             late_ticks=report.late_ticks,
             dry_queues=report.dry_queues,
             question=self._runner.question,
+            override=self.override,
         )

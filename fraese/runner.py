@@ -44,6 +44,7 @@ class Runner:
 
     Attributes:
         report: the driver's last word.
+        seen_steps: axis positions at that moment; may be read from any thread.
         blocks: blocks of this job pushed so far.
         failure: what the job failed with, if it did.
         question: what the operator is asked now; empty if nothing.
@@ -69,6 +70,7 @@ class Runner:
         self._serial = self._serial_at_start = self.report.playing
         # Motor steps that the carriages have been told of.
         self._told_steps = self.report.position_steps
+        self.seen_steps = self.position_steps()
         self._cancel = False
         self._stop = False
         self._held = False
@@ -115,6 +117,7 @@ class Runner:
     def look(self) -> Report:
         """Poll at standstill."""
         self.report = self._driver.poll(0)
+        self._forget_played()
         return self.report
 
     def activate(self) -> Status:
@@ -153,6 +156,7 @@ class Runner:
             self._tell(self._untold())
             self._ahead.clear()
             self._serial = self.report.playing
+        self.seen_steps = self.position_steps()
 
     def mm_per_tick(self) -> float:
         """Path length of one tick of the block in hand, mm; 0 at standstill."""
@@ -239,5 +243,4 @@ class Runner:
         self._job = self._pending = self._wait = None
         self.question = ""
         self.look()
-        self._forget_played()
         return status

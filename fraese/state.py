@@ -61,6 +61,7 @@ class MachineState:
         log_on: the log is being written.
         late_ticks: ticks that came late since the start.
         dry_queues: times the queue ran dry since the start.
+        override: feed override, a factor.
         question: what the operator is asked, with the job waiting; empty if nothing.
     """
 
@@ -87,3 +88,4 @@ class MachineState:
     late_ticks: int = 0
     dry_queues: int = 0
     question: str = ""
+    override: float = 1.0
