@@ -163,11 +163,18 @@ class Interpreter:
         if text[:1] == "n":
             text = words.strip_line_number(text)
         if text[:1] == "o":
-            self._flow.do(self._flow.read(text))
-            return ()
+            return self._o_word(text)
         if not text and not comment:
             return ()
         return self._execute(self._reader.read(text, comment))
+
+    def _o_word(self, text: str) -> Moves:
+        flow = self._flow
+        level = flow.call_level
+        flow.do(flow.read(text))
+        if flow.call_level < level:
+            return self._settings.leave(self._motion.line, level)
+        return ()
 
     def _execute(self, block: Block) -> Moves:
         """Carry out a block."""

@@ -170,6 +170,8 @@ class Modal:
     arc_absolute: bool = False
     inverse_time: bool = False
     feed_mm_min: float = 0.0
+    # the F word as written, which a change of units leaves alone
+    feed_word: float = 0.0
     spindle: int = 0
     rev_min: float = 0.0
     mist: bool = False

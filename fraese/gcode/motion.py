@@ -36,7 +36,6 @@ LETTERS: Final = "xyz"
 OFFSET_LETTERS: Final = "ijk"
 PROBE_RESULT: Final = 5061
 PROBE_TOUCHED: Final = 5070
-NO_WAY_MM: Final = 1e-6
 MAX_TURNS: Final = 100_000
 MAX_REPEATS: Final = 100_000
 
@@ -249,10 +248,11 @@ class Motion:
             raise ProgramError("probing is not possible in G93; use G94")
         feed_mm_min = self.feed_for(block, 0.0, code)
         to = self.target(block)
-        if math.dist(self.at, to) < NO_WAY_MM:
+        towards, must = code in (382, 383), code in (382, 384)
+        # Without a way to go a probe that must touch cannot; the others just do nothing.
+        if must and self.at == to:
             raise ProgramError(f"{name(code)} has no way to go: it starts at its target")
         machine = self.coordinates.to_machine(to)
-        towards, must = code in (382, 383), code in (382, 384)
         return (Probe(self.line, machine, feed_mm_min, towards, must),)
 
     def probed(self, probe: Probe, facts: Facts | None) -> None:

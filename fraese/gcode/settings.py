@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Final, Literal, cast
 
 from fraese.errors import ProgramError
-from fraese.gcode.canon import Coolant, Move, PathControl, Plane, Point, Rapid, Spindle
+from fraese.gcode.canon import Coolant, Move, Overrides, PathControl, Plane, Point, Rapid, Spindle
 from fraese.gcode.expressions import whole
 from fraese.gcode.modal import Modal
 from fraese.gcode.motion import LETTERS, Motion
@@ -30,8 +30,9 @@ class Settings:
         self._coordinates = motion.coordinates
         self._any_tool = tools is None
         self._tools = dict(tools or {})
-        # M70 by call level
-        self._saved: dict[int, tuple[Modal, int]] = {}
+        # M70 and M73 by call level; the levels that M73 restores by itself
+        self._saved: dict[int, tuple[Modal, int, Point]] = {}
+        self._restore_on_return: set[int] = set()
 
     def feed(self, value: float) -> None:
         """The F word; in G93 it belongs to its line and is read there.
@@ -41,6 +42,7 @@ class Settings:
         """
         if value < 0:
             raise ProgramError("the F word must not be negative")
+        self._modal.feed_word = value
         if not self._modal.inverse_time:
             self._modal.feed_mm_min = value * self._modal.scale_mm
 
@@ -77,7 +79,7 @@ class Settings:
         if inverse_time != self._modal.inverse_time:
             self._modal.inverse_time = inverse_time
             # A number per minute is no feed, and a feed no number per minute.
-            self._modal.feed_mm_min = 0.0
+            self._modal.feed_mm_min = self._modal.feed_word = 0.0
 
     def _cancel(self, block: Block) -> None:
         if block.motion is None:
@@ -279,7 +281,13 @@ class Settings:
             ProgramError: nothing was saved.
         """
         if code in (70, 73):
-            self._saved[level] = replace(self._modal), self._coordinates.system
+            self._saved[level] = (
+                replace(self._modal),
+                self._coordinates.system,
+                self._coordinates.tool,
+            )
+            if code == 73:
+                self._restore_on_return.add(level)
         elif code == 71:
             self._saved.pop(level, None)
         else:
@@ -287,22 +295,34 @@ class Settings:
                 raise ProgramError("M72 finds no state: save it with M70 first")
             yield from self._restore(line, *self._saved[level])
 
-    def _restore(self, line: int, saved: Modal, system: int) -> Iterator[Move]:
+    def leave(self, line: int, level: int) -> Iterable[Move]:
+        """A subroutine at this level returns: what it saved is forgotten, or taken back."""
+        saved = self._saved.pop(level, None)
+        if saved is None or level not in self._restore_on_return:
+            return ()
+        self._restore_on_return.remove(level)
+        return self._restore(line, *saved)
+
+    def _restore(self, line: int, saved: Modal, system: int, tool_mm: Point) -> Iterator[Move]:
         m = self._modal
         changes = {
             "path": (m.path_mode, m.tolerance_mm) != (saved.path_mode, saved.tolerance_mm),
             "spindle": (m.spindle, m.rev_min) != (saved.spindle, saved.rev_min),
             "coolant": (m.mist, m.flood) != (saved.mist, saved.flood),
+            "overrides": m.overrides != saved.overrides,
         }
         for field in _RESTORED:
             setattr(m, field, getattr(saved, field))
         self._system(system)
+        self._tool_offset(tool_mm)
         if changes["path"]:
             yield PathControl(line, m.path_mode, m.tolerance_mm)
         if changes["spindle"]:
             yield Spindle(line, cast("Literal[-1, 0, 1]", m.spindle), m.rev_min)
         if changes["coolant"]:
             yield Coolant(line, m.mist, m.flood)
+        if changes["overrides"]:
+            yield Overrides(line, m.overrides)
 
 
 # Tools stay what they are: a tool in the spindle is no modal state.

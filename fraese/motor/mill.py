@@ -61,8 +61,8 @@ class Rotor:
     """
 
     __slots__ = (
-        "_count", "_jump_hz", "_lag", "_loose", "_mark_ns", "_net", "_offset", "_rate_hz",
-        "_rest_ns", "_seen_ns", "_stalled", "blocked", "field_steps", "high_steps", "limits",
+        "_before_s", "_count", "_jump_hz", "_lag", "_loose", "_mark_ns", "_net", "_offset",
+        "_rate_hz", "_rest_ns", "_seen_ns", "_stalled", "blocked", "field_steps", "high_steps", "limits",
         "low_steps", "position_steps", "powered",
     )  # fmt: skip
 
@@ -151,15 +151,20 @@ class Rotor:
     def _begin_window(self, now_ns: int) -> None:
         self._mark_ns = now_ns
         self._count = 0
-        self._net = self._rate_hz = self._lag = 0.0
+        self._net = self._rate_hz = self._lag = self._before_s = 0.0
 
     def _rate_before_rest_hz(self) -> float:
-        """Signed rate of the last steps, leaving out what may be unevenness."""
-        took_ns = self._seen_ns - self._mark_ns
-        if self._count < TURN_STEPS // 2 or took_ns <= 0:
-            return self._rate_hz
-        sure = max(0.0, abs(self._net) - _UNEVEN_STEPS) * _NS_PER_S / took_ns
-        return sure if self._net > 0 else -sure
+        """Signed rate of the last step: what is sure of it, if the last steps were braking."""
+        took_s = (self._seen_ns - self._mark_ns) / _NS_PER_S
+        if self._count < TURN_STEPS // 2 or took_s <= 0:
+            rate_hz = self._rate_hz
+            since_s = took_s + TURN_STEPS / 2 / abs(rate_hz) if rate_hz else 0.0
+        else:
+            rate_hz = max(0.0, abs(self._net) - _UNEVEN_STEPS) / took_s
+            rate_hz = rate_hz if self._net > 0 else -rate_hz
+            since_s = took_s / 2
+        left_hz = max(0.0, abs(rate_hz) - self.limits.acceleration_hz_s * since_s)
+        return left_hz if rate_hz > 0 else -left_hz
 
     def _come_to_rest(self, now_ns: int) -> None:
         """No step for a while: how did it stop? What comes next starts from rest."""
@@ -181,12 +186,14 @@ class Rotor:
             if abs(net) <= self._jump_hz * took_s:
                 self._stalled = False
         else:
-            may_gain = self._jump_hz * took_s + limits.acceleration_hz_s * took_s**2 / 2
+            between_s = (self._before_s + took_s) / 2
+            may_gain = (self._jump_hz + limits.acceleration_hz_s * between_s) * took_s
             jerk = abs(net - self._rate_hz * took_s)
             self._lag = max(0.0, self._lag + abs(net) - limits.max_rate_hz * took_s)
             if jerk > may_gain + _UNEVEN_STEPS or self._lag > _MAX_LAG_STEPS:
                 self._stalled = self._loose = True
         self._rate_hz = net / took_s if took_s else 0.0
+        self._before_s = took_s
         self._mark_ns = now_ns
         self._count = 0
         self._net = 0.0

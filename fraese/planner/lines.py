@@ -5,7 +5,6 @@ What a jog, a reference run and a move by hand need; a program's moves go throug
 
 import math
 from dataclasses import dataclass
-from typing import Final
 
 from fraese.blocks import (
     CYCLES_PER_S,
@@ -18,9 +17,8 @@ from fraese.blocks import (
 )
 from fraese.machine import Machine, Steps
 from fraese.planner.ramps import time_law
-
-#: Path energy is counted in (mm / 65536 / s)**2, an integer for every machine.
-_WEIGHT_PER_MM2: Final = 65536**2
+from fraese.planner.segments import start_rate_hz
+from fraese.planner.timing import WEIGHT_PER_MM2
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,10 +31,16 @@ class LineLimits:
     max_hz: float
     acceleration_hz_s: float
 
+    def edge_hz(self, cruise_hz: float) -> float:
+        """Rate before the first tick and after the last one: their own is the start/stop rate."""
+        if cruise_hz <= self.start_hz:
+            return cruise_hz
+        return self.start_hz - self.acceleration_hz_s / (2 * self.start_hz)
+
     @property
     def weight(self) -> int:
         """Path energy of one (tick/s)**2, see ``Block.weight``."""
-        return max(1, round((self.length_mm / self.ticks) ** 2 * _WEIGHT_PER_MM2))
+        return max(1, round((self.length_mm / self.ticks) ** 2 * WEIGHT_PER_MM2))
 
 
 def mm_per_tick(weight: int) -> float:
@@ -62,7 +66,7 @@ def line_limits(machine: Machine, delta_steps: Steps) -> LineLimits:
     return LineLimits(
         ticks=ticks,
         length_mm=math.hypot(*machine.to_mm(delta_steps)),
-        start_hz=min(axis.start_rate_hz / part for axis, part in parts),
+        start_hz=min(start_rate_hz(axis) / part for axis, part in parts),
         max_hz=min(axis.max_rate_hz / part for axis, part in parts),
         acceleration_hz_s=min(axis.acceleration_hz_s / part for axis, part in parts),
     )
@@ -93,13 +97,11 @@ def plan_line(
     cruise_hz = limits.max_hz
     if feed_mm_min is not None:
         cruise_hz = min(cruise_hz, feed_mm_min / 60 * limits.ticks / limits.length_mm)
-    start_hz = min(limits.start_hz, cruise_hz)
+    edge_hz2 = limits.edge_hz(cruise_hz) ** 2
     return Block(
         steps=tuple(n * axis.motor_sign for n, axis in zip(delta_steps, machine.axes, strict=True)),
         pieces=tuple(
-            time_law(
-                limits.ticks, start_hz**2, cruise_hz**2, start_hz**2, 2 * limits.acceleration_hz_s
-            )
+            time_law(limits.ticks, edge_hz2, cruise_hz**2, edge_hz2, 2 * limits.acceleration_hz_s)
         ),
         accel_q=accel_q_from_hz_s(limits.acceleration_hz_s),
         jump_rate_q8=rate_q8_from_hz(limits.start_hz),

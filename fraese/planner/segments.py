@@ -14,13 +14,15 @@ Rule 3: along many short segments the path turns all the time, and the sum of ha
         length, times speed squared. Directions are those before rounding to steps, so that a
         straight line in small pieces stays straight; and a speed at which every axis is within
         its start/stop rate is always allowed.
+Rule 4: the rate of a tick is that of its middle. So that the first tick from rest has the start/stop
+        rate s, and the last one too, the law begins and ends at s - a / (2 s) ticks/s.
 """
 
 import math
 from typing import Final, NamedTuple
 
 from fraese.blocks import Outputs, Watch
-from fraese.machine import Machine
+from fraese.machine import Axis, Machine
 
 UNLIMITED: Final = math.inf
 #: A change of direction below this is none.
@@ -45,7 +47,8 @@ class Segment(NamedTuple):
         course_z: for all three axes.
         top_mm_s: never faster.
         feed_mm_s: wanted, before override; infinite for a rapid.
-        rest_mm_s: speed at which every axis is at or below its start/stop rate.
+        start_mm_s: speed at which every axis is at or below its start/stop rate.
+        rest_mm_s: speed before the first tick from standstill, and after the last one.
         twice_mm_s2: two times the acceleration along the path.
         outputs: change at the first tick.
         watch: condition while it plays.
@@ -63,6 +66,7 @@ class Segment(NamedTuple):
     course_z: float
     top_mm_s: float
     feed_mm_s: float
+    start_mm_s: float
     rest_mm_s: float
     twice_mm_s2: float
     outputs: Outputs | None
@@ -72,6 +76,15 @@ class Segment(NamedTuple):
     def shares(self) -> tuple[float, float, float]:
         """Signed steps per mm of path, of all axes."""
         return self.share_x, self.share_y, self.share_z
+
+
+def start_rate_hz(axis: Axis) -> float:
+    """The start/stop rate that counts.
+
+    A motor that follows its acceleration makes the first step from rest in sqrt(2 / a) at the
+    latest: a rate below that as start/stop rate would contradict it.
+    """
+    return max(axis.start_rate_hz, _sqrt(axis.acceleration_hz_s / 2))
 
 
 class Limits:
@@ -91,7 +104,7 @@ class Limits:
         axes = machine.axes
         self._mm = tuple(axis.step_mm for axis in axes)
         self._per_rate = tuple(1 / (axis.max_rate_hz * rate_factor) for axis in axes)
-        self._per_start = tuple(1 / axis.start_rate_hz for axis in axes)
+        self._per_start = tuple(1 / start_rate_hz(axis) for axis in axes)
         self._per_acceleration = tuple(1 / axis.acceleration_hz_s for axis in axes)
         self._per_turn = tuple(float(axis.steps_per_mm) / axis.acceleration_hz_s for axis in axes)
         self._bands = tuple(axis.avoid_hz for axis in axes)
@@ -136,9 +149,9 @@ class Limits:
         a, b, c = self._per_rate
         limit_mm_s = length_mm / max(abs_x * a, abs_y * b, abs_z * c)
         a, b, c = self._per_start
-        rest_mm_s = length_mm / max(abs_x * a, abs_y * b, abs_z * c)
+        start_mm_s = length_mm / max(abs_x * a, abs_y * b, abs_z * c)
         a, b, c = self._per_acceleration
-        half_mm_s2 = length_mm / max(abs_x * a, abs_y * b, abs_z * c)
+        accel_mm_s2 = length_mm / max(abs_x * a, abs_y * b, abs_z * c)
         segment: Segment = _new(
             Segment,
             (
@@ -153,8 +166,9 @@ class Limits:
                 dz * per_mm,
                 limit_mm_s if limit_mm_s < top_mm_s else top_mm_s,
                 feed_mm_s,
-                rest_mm_s,
-                half_mm_s2 * 2,
+                start_mm_s,
+                start_mm_s - accel_mm_s2 * length_mm / (2 * ticks * start_mm_s),
+                accel_mm_s2 * 2,
                 outputs,
                 watch,
                 tag,
@@ -180,8 +194,8 @@ class Limits:
         if turn > _STRAIGHT:
             curve = (before.length_mm + after.length_mm) / (2 * turn)
             if curve < limit:
-                rest = before.rest_mm_s if before.rest_mm_s < after.rest_mm_s else after.rest_mm_s
-                limit = min(limit, max(curve, rest * rest))
+                slow = min(before.start_mm_s, after.start_mm_s)
+                limit = min(limit, max(curve, slow * slow))
         return limit
 
     def restart_mm_s(self, before: Segment | None, exit_mm_s: float, after: Segment) -> float:
@@ -192,7 +206,7 @@ class Limits:
 
         Args:
             before: None: from standstill.
-            exit_mm_s: its last speed, at most ``before.rest_mm_s``.
+            exit_mm_s: its last speed, at most ``before.start_mm_s``.
             after: the one that begins.
         """
         fastest = min(after.rest_mm_s, after.top_mm_s)

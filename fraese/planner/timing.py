@@ -71,7 +71,7 @@ class BlockMaker:
                 steps,
                 pieces,
                 int(twice_mm_s2 * per_mm / 2 * _ACCEL_Q + 0.5) or 1,
-                int(rest_mm_s * per_mm * Q8 + 0.5),
+                int(segment.start_mm_s * per_mm * Q8 + 0.5),
                 int(WEIGHT_PER_MM2 / (per_mm * per_mm) + 0.5) or 1,
                 exit_mm2_s2 <= rest_mm_s * rest_mm_s * _SAME,
                 segment.watch,

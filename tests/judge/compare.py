@@ -52,7 +52,7 @@ def our_verdict(text: str, tools: dict[int, float] | None = None, **setup: Any) 
 
 def _short_of(start: canon.Point, to: canon.Point) -> canon.Facts:
     length_mm = math.dist(start, to)
-    part = max(0.0, 1 - 0.01 * INCH_MM / length_mm)
+    part = max(0.0, 1 - 0.01 * INCH_MM / length_mm) if length_mm else 1.0
     x, y, z = (a + (b - a) * part for a, b in zip(start, to, strict=True))
     return canon.Facts((x, y, z), touched=True, contact_mm=to)
 

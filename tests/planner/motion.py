@@ -11,6 +11,7 @@ from fraese.blocks import CYCLES_PER_S, Q8, Block
 from fraese.config import Config
 from fraese.machine import Axis, Machine
 from fraese.planner.planner import Planner
+from fraese.planner.segments import start_rate_hz
 
 Floats = NDArray[np.float64]
 Point = tuple[float, float, float]
@@ -78,7 +79,7 @@ def check_limits(axes: tuple[Axis, ...], blocks: list[Block]) -> None:
     acceleration: the rates are known in the middle of the ticks only.
     """
     max_hz = np.array([axis.max_rate_hz for axis in axes])
-    start_hz = np.array([axis.start_rate_hz for axis in axes])
+    start_hz = np.array([start_rate_hz(axis) for axis in axes])
     acceleration = np.array([axis.acceleration_hz_s for axis in axes])
     last = np.zeros(len(axes))
     last_s = 0.0

@@ -165,8 +165,8 @@ def test_many_short_lines_round_a_small_circle_keep_to_the_acceleration_of_the_a
     speeds = [
         float(np.hypot(*block.steps[:2])) / 200 / duration_s([block]) for block in blocks[100:200]
     ]
-    # Steps are 5 % of such a line, so a single one is not known better.
-    assert np.mean(speeds) == pytest.approx(fastest, rel=0.05)
+    # Each axis has its own limit: on the diagonal two share the turn.
+    assert fastest * 0.97 <= np.mean(speeds) <= fastest * 2**0.25
 
 
 def test_less_than_a_step_is_kept_for_later() -> None:
@@ -238,7 +238,7 @@ def test_a_machine_that_is_not_referenced_runs_at_part_of_its_rates() -> None:
     for feed in (None, 600.0):
         full = duration_s(run(planner(axes), [(100.0, 0.0, 0.0)], feed))
         part = duration_s(run(planner(axes, rate_factor=0.5), [(100.0, 0.0, 0.0)], feed))
-        assert part == pytest.approx(2 * full, rel=0.02)
+        assert part == pytest.approx(2 * full, rel=0.03)
 
 
 @pytest.mark.parametrize("feed", [None, 90.0, 150.0, 290.0, 600.0])
