@@ -187,8 +187,12 @@ class Plant:
         simulation: tuple[tuple[float, float, float], ...] = ()
         if isinstance(self.port, SimulatedMill):
             simulation = tuple((*state,) for state in self.port.states())
-        kept = self.controller.keep()
-        self.journal.save(kept.model_copy(update={"simulation": simulation, "moving": moving}))
+        also = {
+            "simulation": simulation,
+            "moving": moving,
+            "steps_per_mm": _ratios(self.controller.machine),
+        }
+        self.journal.save(self.controller.keep().model_copy(update=also))
 
     def close(self) -> None:
         """Motors off, state kept, port given back."""
@@ -199,6 +203,10 @@ class Plant:
 def state_folder() -> Path:
     """The user's state folder."""
     return Path(platformdirs.user_state_dir("fraese"))
+
+
+def _ratios(machine: Machine) -> tuple[str, ...]:
+    return tuple(str(axis.steps_per_mm) for axis in machine.axes)
 
 
 def assemble(
@@ -225,7 +233,11 @@ def assemble(
     card = CARDS[config.card.kind](config)
     port = PORTS[config.port.kind](config, machine, time)
     journal = Journal(state) if state is not None else None
+    notes = []
     kept = journal.load(len(machine.axes)) if journal is not None and not fresh else None
+    if kept is not None and kept.steps_per_mm != _ratios(machine):
+        notes.append("The axes were configured otherwise before: the old position is forgotten.")
+        kept = None
     if kept is not None:
         card.set_phases(kept.phases)
         if isinstance(port, SimulatedMill) and kept.simulation:
@@ -245,7 +257,6 @@ def assemble(
     )
     log.switch(config.log.enabled)
     controller = Controller(machine, driver, time, config, log, slice_s=_SLICE_S[clock])
-    notes = []
     if kept is not None:
         controller.take_up(kept)
         if kept.moving:

@@ -12,7 +12,7 @@ import tomllib
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args, get_origin
 
 import platformdirs
 import tomlkit
@@ -135,6 +135,21 @@ class AxesConfig(Section):
     x: AxisConfig = AxisConfig()
     y: AxisConfig = AxisConfig(travel_mm=Decimal("200"))
     z: AxisConfig = AxisConfig(travel_mm=Decimal("60"), home_end="max")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _own_defaults(cls, value: Any) -> Any:
+        """A table that names some keys of an axis leaves the others at that axis' defaults."""
+        if not isinstance(value, dict):
+            return value
+        own: dict[str, dict[str, Any]] = {
+            "y": {"travel_mm": Decimal("200")},
+            "z": {"travel_mm": Decimal("60"), "home_end": "max"},
+        }
+        return {
+            name: {**own.get(name, {}), **given} if isinstance(given, dict) else given
+            for name, given in value.items()
+        }
 
 
 class OutputConfig(Section):
@@ -564,3 +579,57 @@ def write_key(path: Path, section: str, key: str, value: Any) -> None:
     text = tomlkit.dumps(document)
     from_table(tomllib.loads(text, parse_float=Decimal), str(path))
     path.write_text(text, "utf-8")
+
+
+def annotated() -> str:
+    """The defaults as a file, every key with its sentence, unit and bounds."""
+    lines = [
+        "# Configuration of fraese. Every key is optional; what stands here is the default.",
+        "# Found in the working directory, else in the user's configuration folder.",
+    ]
+    _annotate(Config(), "", lines)
+    return "\n".join(lines) + "\n"
+
+
+def _annotate(section: Section, path: str, lines: list[str]) -> None:
+    tables = []
+    if path:
+        lines += ["", f"# {(type(section).__doc__ or '').strip()}", f"[{path}]"]
+    for key, field in type(section).model_fields.items():
+        value = getattr(section, key)
+        if isinstance(value, Section):
+            tables.append((key, value))
+            continue
+        lines.append(f"# {field.description}{_choices(field.annotation)}{_bounds(field.metadata)}")
+        lines.append(_entry(key, value, path))
+    for key, value in tables:
+        _annotate(value, f"{path}.{key}" if path else key, lines)
+
+
+def _entry(key: str, value: Any, path: str) -> str:
+    if value is None:
+        example = "-2.0" if key.endswith("_mm") else "{ pin = 14, active_high = true }"
+        return f"#{key} = {example}"
+    if isinstance(value, dict):
+        return f"#[{key}.1]\n#length_mm = 0.0\n#diameter_mm = 3.0"
+    if isinstance(value, Decimal):
+        return f"{key} = {value}"
+    return f"{key} = {tomlkit.item(value).as_string()}"
+
+
+def _choices(annotation: Any) -> str:
+    if get_origin(annotation) is not Literal:
+        return ""
+    return " One of: " + ", ".join(str(choice) for choice in get_args(annotation)) + "."
+
+
+def _bounds(metadata: list[Any]) -> str:
+    """What the field's limits are, in brackets; nothing without limits."""
+    signs = {"gt": "above", "ge": "from", "lt": "below", "le": "up to"}
+    found = [
+        f"{word} {getattr(item, name):.12g}"
+        for item in metadata
+        for name, word in signs.items()
+        if getattr(item, name, None) is not None
+    ]
+    return f" ({', '.join(found)})" if found else ""

@@ -52,6 +52,10 @@ def _nothing() -> None:
     """No callback registered."""
 
 
+def _unheard(message: str) -> None:
+    """Nobody to tell."""
+
+
 class Controller:
     """Machine state, work offsets, limits and the run loop.
 
@@ -81,6 +85,7 @@ class Controller:
         self._display: Callable[[], None] = _nothing
         self._show_pos: Callable[[], None] = _nothing
         self._break_key: Callable[[], None] = _nothing
+        self._tell: Callable[[str], None] = _unheard
         axes = len(machine.axes)
         self._carriages = Carriages(machine, (0,) * axes)
         self.offsets = WorkOffsets(axes)
@@ -115,6 +120,10 @@ class Controller:
         """
         self._break_key = procedure
 
+    def set_tell(self, procedure: Callable[[str], None]) -> None:
+        """Register who is told every message; called in the run loop's thread."""
+        self._tell = procedure
+
     # --- from any thread -----------------------------------------------------------------------
 
     def cancel(self) -> None:
@@ -143,6 +152,11 @@ class Controller:
     def status(self) -> Status:
         """OK, RUN, CANCEL or ERROR."""
         return self._status
+
+    @property
+    def question(self) -> str:
+        """What the operator is asked now; empty if nothing."""
+        return self._runner.question
 
     def run(self) -> Status:
         """Work off what was commanded; returns the status in which it ended."""
@@ -389,6 +403,18 @@ class Controller:
     def say(self, message: str) -> None:
         """Show a message."""
         self._message = message
+        self._tell(message)
+
+    def drive_points(self, name: str, points_mm: Sequence[Sequence[float]]) -> None:
+        """Straight rapids through points in machine coordinates; ``run`` makes them.
+
+        Raises:
+            LimitError: if a point is outside the travel; nothing has moved then.
+            StateError: if the machine is not ready.
+        """
+        targets = [self.machine.to_steps(tuple(point)) for point in points_mm]
+        self.check_moves(targets)
+        self.start(name, self._curve(targets, None), lines=len(targets))
 
     # --- position ------------------------------------------------------------------------------
 
@@ -427,6 +453,10 @@ class Controller:
     def lose_reference(self, axis: str) -> None:
         """An axis is not to be relied on."""
         self._referenced[self.machine.index(axis)] = False
+
+    def travelled_steps(self) -> Steps:
+        """Steps made since the start, both directions added, per axis."""
+        return self._runner.report.travelled_steps
 
     def is_referenced(self, axis: str) -> bool:
         """Whether an axis was referenced and nothing has shaken that since."""

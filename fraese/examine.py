@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from fraese.context import ProgramContext
 from fraese.blocks import Block
+from fraese.context import ProgramContext
 from fraese.errors import ProgramError
 from fraese.gcode import canon
 from fraese.gcode.extents import arc_extent

@@ -28,6 +28,7 @@ class Kept(BaseModel):
         referenced: per axis.
         phases: phase index per motor.
         simulation: what the simulated mill needs to be found as it was left.
+        steps_per_mm: of every axis, as a ratio; otherwise configured, steps mean nothing.
         moving: written before motion, cleared after it.
     """
 
@@ -39,6 +40,7 @@ class Kept(BaseModel):
     referenced: tuple[bool, ...]
     phases: tuple[int, ...]
     simulation: tuple[tuple[float, float, float], ...] = ()
+    steps_per_mm: tuple[str, ...] = ()
     moving: bool = False
 
 

@@ -4,12 +4,13 @@ from collections.abc import Generator, Sequence
 from functools import cached_property
 from pathlib import Path
 
+from fraese.context import ProgramContext
+from fraese.controller import Controller
 from fraese.errors import LimitError, ProgramError, StateError
 from fraese.examine import Facts, examine
 from fraese.gcode import canon
 from fraese.gcode.text import read_lines
 from fraese.jobs import STANDSTILL, Job
-from fraese.controller import Controller
 from fraese.log import logged
 from fraese.sources import ProgramSource
 from fraese.translate import Moves, Translation
@@ -83,7 +84,7 @@ class Program:
         translation = Translation(context, controller)
         moves = source.moves()
         if from_line > 1:
-            moves = skip_to(moves, from_line, context.safe_z_mm(), source)
+            moves = skip_to(moves, from_line, safe_z(context), source)
 
         def job() -> Job:
             try:
@@ -98,6 +99,65 @@ class Program:
             lines=facts.lines if facts else 0,
             expected_s=facts.duration_s if facts else 0.0,
         )
+
+    def drive_frame(self, controller: Controller) -> None:
+        """Drive round the bounding box at the safe height; the controller's ``run`` does it.
+
+        Raises:
+            ProgramError: if the program is refused, or moves nothing.
+            LimitError: if it leaves the travel.
+            StateError: if the machine is not ready.
+        """
+        facts = self.check(controller, plan=False)
+        if facts.low_mm is None or facts.high_mm is None:
+            raise ProgramError("nothing moves in this program.", file=str(self.path))
+        context = controller.program_context()
+        here = context.machine.to_mm(context.start_steps)
+        z_mm = max(safe_z(context), facts.high_mm[2]) if context.referenced[2] else here[2]
+        (x0, y0, _), (x1, y1, _) = facts.low_mm, facts.high_mm
+        corners = [(here[0], here[1]), (x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]
+        controller.drive_points(f"frame {self.name}", [(x, y, z_mm) for x, y in corners])
+
+    def way_from(self, controller: Controller, from_line: int) -> list[str]:
+        """What a start at a line would do, in words; nothing moves.
+
+        Raises:
+            ProgramError: if there is nothing to run there, or a line before it is refused.
+        """
+        context = controller.program_context()
+        source = ProgramSource(self.path, context)
+        said = [f"{self.name} from line {from_line}:"]
+        for move in skip_to(source.moves(), from_line, safe_z(context), source):
+            said.append("  " + _in_words(move))
+            if isinstance(move, canon.Feed) or move.line > from_line:
+                break
+        state = source.modal_state()
+        said.append(
+            f"  then the program, with feed {state.feed_mm_min:g} mm/min, tool {state.tool},"
+            f" plane G{state.plane}, work offset {state.work_offset}"
+        )
+        return said
+
+
+def _in_words(move: canon.Move) -> str:
+    if isinstance(move, canon.Rapid | canon.Feed):
+        where = " ".join(f"{name}{value:.3f}" for name, value in zip("XYZ", move.to, strict=True))
+        how = f"feed {move.feed_mm_min:g} mm/min" if isinstance(move, canon.Feed) else "rapid"
+        return f"{how} to {where} (machine)"
+    if isinstance(move, canon.Spindle):
+        return f"spindle {'on' if move.direction else 'off'}, {move.rev_min:g} rev/min"
+    if isinstance(move, canon.Coolant):
+        return f"coolant {'on' if move.mist or move.flood else 'off'}"
+    if isinstance(move, canon.Tool):
+        return f"tool {move.number}"
+    return type(move).__name__.lower()
+
+
+def safe_z(context: ProgramContext) -> float:
+    """Height for the way to a line: the top, or where it stands if nobody knows the top."""
+    if context.referenced[2] or context.config.run.safe_z_mm is not None:
+        return context.safe_z_mm()
+    return context.machine.to_mm(context.start_steps)[2]
 
 
 def open_program(path: Path) -> Program:
@@ -173,4 +233,3 @@ def _way_to(
     yield canon.Rapid(line, (x_mm, y_mm, top_mm))
     feed_mm_min = source.modal_state().feed_mm_min or source.default_feed_mm_min
     yield canon.Feed(line, (x_mm, y_mm, z_mm), feed_mm_min)
-

@@ -6,10 +6,10 @@ Rule 2: a barrier is planned to rest, waited for, and answered with what the mac
 Rule 3: outputs that hang on nothing are switched by hand: the operator is told, never refused.
 """
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterable
 from typing import TYPE_CHECKING, Any, Final
 
-from fraese.blocks import Block, Outputs, WatchAction
+from fraese.blocks import Block, WatchAction
 from fraese.context import ProgramContext
 from fraese.errors import ProbeError
 from fraese.gcode import canon
@@ -63,12 +63,14 @@ class Translation:
                 self._apply_override()
             kind = type(move)
             if kind is feed:
-                yield from line(move.to, move.feed_mm_min, move.line)
+                for block in line(move.to, move.feed_mm_min, move.line):
+                    yield block
             elif kind is rapid:
-                yield from line(move.to, None, move.line)
+                for block in line(move.to, None, move.line):
+                    yield block
             else:
                 facts = yield from rows[kind](self, move)
-        yield from self.planner.finish()
+        yield from _each(self.planner.finish())
 
     def _apply_override(self) -> None:
         if self._controller is not None:
@@ -78,17 +80,19 @@ class Translation:
     # --- moves ---------------------------------------------------------------------------------
 
     def _arc(self, move: canon.Arc) -> Part:
-        yield from self.planner.arc(
-            move.to, move.centre, move.plane, move.turns, move.feed_mm_min, move.line
+        yield from _each(
+            self.planner.arc(
+                move.to, move.centre, move.plane, move.turns, move.feed_mm_min, move.line
+            )
         )
         return None
 
     def _dwell(self, move: canon.Dwell) -> Part:
-        yield from self.planner.dwell(move.duration_s, move.line)
+        yield from _each(self.planner.dwell(move.duration_s, move.line))
         return None
 
     def _path_control(self, move: canon.PathControl) -> Part:
-        yield from self.planner.path_control(move.mode.value, move.tolerance_mm)
+        yield from _each(self.planner.path_control(move.mode.value, move.tolerance_mm))
         return None
 
     def _overrides(self, move: canon.Overrides) -> Part:
@@ -98,7 +102,7 @@ class Translation:
         yield
 
     def _end(self, move: canon.End) -> Part:
-        yield from self.planner.drain()
+        yield from _each(self.planner.drain())
         return None
 
     # --- what hangs on outputs -----------------------------------------------------------------
@@ -107,7 +111,7 @@ class Translation:
         on = bool(move.direction)
         if (yield from self._switch("spindle", on)):
             if on:
-                yield from self.planner.dwell(self._context.config.run.spin_up_s, move.line)
+                yield from _each(self.planner.dwell(self._context.config.run.spin_up_s, move.line))
             return None
         text = (
             f"Spindle on, {_DIRECTIONS[move.direction]}, {move.rev_min:g} rev/min"
@@ -133,9 +137,9 @@ class Translation:
         if bit is None:
             return False
         mask = 1 << bit
-        yield from self.planner.drain()
+        yield from _each(self.planner.drain())
         self.planner.outputs(mask, mask if on else 0)
-        yield from self.planner.dwell(0)
+        yield from _each(self.planner.dwell(0))
         return True
 
     # --- barriers ------------------------------------------------------------------------------
@@ -151,7 +155,7 @@ class Translation:
         )
 
     def _ask(self, question: str) -> Part:
-        yield from self.planner.drain()
+        yield from _each(self.planner.drain())
         if self._controller is None:
             return None
         yield Ask(question)
@@ -160,10 +164,10 @@ class Translation:
     def _probe(self, move: canon.Probe) -> Part:
         controller = self._controller
         if controller is None:
-            yield from self.planner.line(move.to, move.feed_mm_min, move.line)
-            yield from self.planner.drain()
+            yield from _each(self.planner.line(move.to, move.feed_mm_min, move.line))
+            yield from _each(self.planner.drain())
             return None
-        yield from self.planner.drain()
+        yield from _each(self.planner.drain())
         report = yield STANDSTILL
         if controller.probe_closed() == move.until_closed:
             raise ProbeError(
@@ -171,7 +175,7 @@ class Translation:
                 f" already; the machine stands at {controller.where()}."
             )
         watch = controller.probe_watch(closed=move.until_closed, action=WatchAction.STOP)
-        yield from self.planner.watched(move.to, move.feed_mm_min, watch, move.line)
+        yield from _each(self.planner.watched(move.to, move.feed_mm_min, watch, move.line))
         report = yield STANDSTILL
         touched = report.ended is Ended.WATCH
         contact_mm = self._point(controller.latched_steps(report)) if touched else None
@@ -204,6 +208,12 @@ class Translation:
     def _say(self, text: str) -> None:
         if self._controller is not None:
             self._controller.say(text)
+
+
+def _each(blocks: Iterable[Block]) -> Generator[Block, Report, None]:
+    """Blocks one by one; a plain iterator cannot take the reports that a job is sent."""
+    for block in blocks:
+        yield block
 
 
 def output_bit(context: ProgramContext, name: str) -> int | None:

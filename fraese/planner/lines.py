@@ -45,7 +45,7 @@ class LineLimits:
 
 def mm_per_tick(weight: int) -> float:
     """Path length of one tick, from a block's weight."""
-    return math.sqrt(weight / _WEIGHT_PER_MM2)
+    return math.sqrt(weight / WEIGHT_PER_MM2)
 
 
 def planned_s(block: Block) -> float:
