@@ -117,7 +117,8 @@ CARDS: Final[Mapping[str, Callable[[Config], Card]]] = {
 
 
 def _smc_electronics(mill: Mill, clock: Clock, config: Config) -> Electronics:
-    return SmcElectronics(mill, clock, LEVEL_MAPS[config.card.levels])
+    rest = phase_table(config.card.table)[0]
+    return SmcElectronics(mill, clock, LEVEL_MAPS[config.card.levels], rest)
 
 
 def _stepdir_electronics(mill: Mill, clock: Clock, config: Config) -> Electronics:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple, Protocol
 
 from fraese.motor.mill import Mill
-from fraese.motor.phases import MOTZERO, Currents, currents_of, field_angle
+from fraese.motor.phases import MOTRUN, MOTZERO, Currents, currents_of, field_angle
 from fraese.motor.seams import Clock, End
 
 #: All inputs at rest: bits 3 to 7 read 1, on these cards "no contact".
@@ -46,14 +46,17 @@ class SmcElectronics:
         mill: what the motors move.
         clock: when it happens.
         levels: what the current codes really mean on this card.
+        rest: the byte in whose field the rotors stand at first.
     """
 
-    def __init__(self, mill: Mill, clock: Clock, levels: tuple[int, int, int, int]) -> None:
+    def __init__(
+        self, mill: Mill, clock: Clock, levels: tuple[int, int, int, int], rest: int = MOTRUN[0]
+    ) -> None:
         self._mill = mill
         self._now_ns = clock.now_ns
         self._levels = levels
         self._angle_of = [field_angle(byte, levels) for byte in range(64)]
-        self.angles = [0.0] * len(mill.rotors)
+        self.angles = [self._angle_of[rest & 63] or 0.0] * len(mill.rotors)
         self._latched = [MOTZERO] * len(mill.rotors)
         self._data = 0
         self._control = 0
