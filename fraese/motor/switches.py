@@ -123,7 +123,7 @@ class InputWatcher:
         self._switch = Debounced(*switch)
         self._watched: Debounced | None = None
         self._watch_hides_switch = False
-        self._action = WatchAction.IGNORE
+        self._watch_reacts = False
         self.inference = Inference(motors)
         self.status = 0
         self.quiet_status = self.NO_STATUS
@@ -137,10 +137,7 @@ class InputWatcher:
 
     @property
     def switch_acts(self) -> bool:
-        """There is contact, and it is not the business of the block's watch.
-
-        A watch that ignores hands the input back when it is fulfilled.
-        """
+        """There is contact, and no watch of this block takes care of that input itself."""
         return self._switch.is_true and not self._watch_hides_switch
 
     def begin(self, block: Block) -> None:
@@ -148,11 +145,17 @@ class InputWatcher:
         self.inference.begin(tuple((n > 0) - (n < 0) for n in block.steps))
         watch = block.watch
         self._watch_hides_switch = bool(watch and watch.mask & self._input.mask)
-        self._action = watch.action if watch else WatchAction.IGNORE
+        self._watch_reacts = bool(watch and watch.action is not WatchAction.IGNORE)
         self._watched = Debounced(watch.mask, watch.value, self._input.readings) if watch else None
         if watch:
             self.latched_steps = None
             self.quiet_status = self.NO_STATUS
+
+    def end(self, now_ns: int) -> None:
+        """The block ended, and its watch with it."""
+        self.inference.end(now_ns)
+        self._watched = None
+        self._watch_hides_switch = False
 
     def take(self, status: int, steps: Callable[[], StepCounts], now_ns: int) -> bool:
         """Take a reading that is not quiet; True when it fulfils the watch of the block."""
@@ -164,7 +167,7 @@ class InputWatcher:
         if watched is not None and fulfilled:
             self.latched_steps = watched.latched_steps
             self._watched = None
-            self._watch_hides_switch &= self._action is not WatchAction.IGNORE
+            self._watch_hides_switch &= self._watch_reacts
         settled = not switch.pending and self._watched is None
         self.quiet_status = status if settled else self.NO_STATUS
         return fulfilled
