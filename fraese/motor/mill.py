@@ -65,8 +65,8 @@ class Rotor:
 
     __slots__ = (
         "_before_s", "_count", "_jump_hz", "_lag", "_loose", "_mark_ns", "_net", "_offset",
-        "_rate_hz", "_rest_ns", "_seen_ns", "_stalled", "blocked", "field_steps", "high_steps", "limits",
-        "low_steps", "position_steps", "powered",
+        "_rate_hz", "_rest_ns", "_seen_ns", "_stalled", "blocked", "field_steps", "high_steps",
+        "limits", "low_steps", "position_steps", "powered",
     )  # fmt: skip
 
     def __init__(

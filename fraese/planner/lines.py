@@ -16,7 +16,7 @@ from fraese.blocks import (
     rate_q8_from_hz,
 )
 from fraese.machine import Machine, Steps
-from fraese.planner.ramps import time_law
+from fraese.planner.ramps import trapezoid
 from fraese.planner.segments import start_rate_hz
 from fraese.planner.timing import WEIGHT_PER_MM2
 
@@ -97,11 +97,11 @@ def plan_line(
     cruise_hz = limits.max_hz
     if feed_mm_min is not None:
         cruise_hz = min(cruise_hz, feed_mm_min / 60 * limits.ticks / limits.length_mm)
-    edge_hz2 = limits.edge_hz(cruise_hz) ** 2
+    edge_hz = limits.edge_hz(cruise_hz)
     return Block(
         steps=tuple(n * axis.motor_sign for n, axis in zip(delta_steps, machine.axes, strict=True)),
         pieces=tuple(
-            time_law(limits.ticks, edge_hz2, cruise_hz**2, edge_hz2, 2 * limits.acceleration_hz_s)
+            trapezoid(limits.ticks, edge_hz, cruise_hz, edge_hz, limits.acceleration_hz_s)
         ),
         accel_q=accel_q_from_hz_s(limits.acceleration_hz_s),
         jump_rate_q8=rate_q8_from_hz(limits.start_hz),

@@ -101,7 +101,6 @@ class Planner:
         self._backlash_steps = tuple(axis.backlash_steps for axis in machine.axes)
         self._has_backlash = any(self._backlash_steps)
         self._slack_steps = slack_steps or (0, 0, 0)
-        self._mode = PathMode.EXACT_PATH
         self._exact_stop = False
         self._tolerance_mm = 0.0
         self._chain = Chain()
@@ -257,9 +256,9 @@ class Planner:
             ValueError: if the mode is unknown.
         """
         self._end_chain()
-        self._mode = PathMode(mode)
-        self._exact_stop = self._mode is PathMode.EXACT_STOP
-        self._tolerance_mm = tolerance_mm if self._mode is PathMode.BLEND else 0.0
+        wanted = PathMode(mode)
+        self._exact_stop = wanted is PathMode.EXACT_STOP
+        self._tolerance_mm = tolerance_mm if wanted is PathMode.BLEND else 0.0
         return ()
 
     # --- flow ----------------------------------------------------------------------------------

@@ -115,6 +115,13 @@ def time_law(
     return pieces
 
 
+def trapezoid(
+    ticks: int, entry_hz: float, cruise_hz: float, exit_hz: float, acceleration_hz_s: float
+) -> list[Piece]:
+    """The same with plain rates, for a line of its own."""
+    return time_law(ticks, entry_hz**2, cruise_hz**2, exit_hz**2, 2 * acceleration_hz_s)
+
+
 def _brake_first(
     ticks: int, entry_hz2: float, cruise_hz2: float, exit_hz2: float, twice_hz_s: float
 ) -> list[Piece]:

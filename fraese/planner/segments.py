@@ -14,8 +14,8 @@ Rule 3: along many short segments the path turns all the time, and the sum of ha
         length, times speed squared. Directions are those before rounding to steps, so that a
         straight line in small pieces stays straight; and a speed at which every axis is within
         its start/stop rate is always allowed.
-Rule 4: the rate of a tick is that of its middle. So that the first tick from rest has the start/stop
-        rate s, and the last one too, the law begins and ends at s - a / (2 s) ticks/s.
+Rule 4: the rate of a tick is that of its middle. The law begins and ends at s - a / (2 s) ticks/s,
+        so that the first tick from rest and the last one have the start/stop rate s.
 """
 
 import math

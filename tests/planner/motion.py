@@ -50,7 +50,7 @@ def axis_rates_hz(block: Block) -> Floats:
 
 def total_steps(blocks: Iterable[Block]) -> tuple[int, ...]:
     """Signed steps of all motors."""
-    return tuple(int(n) for n in np.sum([block.steps for block in blocks], axis=0))
+    return tuple(map(sum, zip(*(block.steps for block in blocks), strict=True))) or (0, 0, 0)
 
 
 def duration_s(blocks: Iterable[Block]) -> float:

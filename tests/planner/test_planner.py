@@ -1,4 +1,5 @@
 import math
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -75,7 +76,7 @@ def test_nor_with_everything_that_can_come_in_between(
 ) -> None:
     plan = planner(axes, window=8)
     blocks: list[Block] = []
-    actions = {
+    actions: dict[int, Callable[[], Sequence[Block] | None]] = {
         1: plan.drain,
         2: plan.ready,
         3: lambda: plan.set_override(0.1),
@@ -86,8 +87,9 @@ def test_nor_with_everything_that_can_come_in_between(
     }
     whims += [0] * len(points)
     for point, whim in zip(points, whims, strict=False):
-        blocks += plan.line(point, 800.0) or ()
-        blocks += actions.get(whim, tuple)() or ()
+        blocks += plan.line(point, 800.0)
+        if whim in actions:
+            blocks += actions[whim]() or ()
     blocks += plan.finish()
     check_limits(axes.axes, blocks)
     if moving(blocks):
@@ -162,9 +164,7 @@ def test_many_short_lines_round_a_small_circle_keep_to_the_acceleration_of_the_a
     blocks = run(planner(axes), circle, 1200.0)
     inward_mm_s2 = 20_000 / 200
     fastest = math.sqrt(inward_mm_s2 * radius_mm)
-    speeds = [
-        float(np.hypot(*block.steps[:2])) / 200 / duration_s([block]) for block in blocks[100:200]
-    ]
+    speeds = [math.hypot(*block.steps) / 200 / duration_s([block]) for block in blocks[100:200]]
     # Each axis has its own limit: on the diagonal two share the turn.
     assert fastest * 0.97 <= np.mean(speeds) <= fastest * 2**0.25
 
