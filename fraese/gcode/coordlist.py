@@ -29,7 +29,7 @@ _NAMES: Final = {"x": "x", "y": "y", "z": "z", "f": "feed", "feed": "feed"}
 _UNIT = re.compile(r"\bunits?\s*[:=]\s*([a-z]+)", re.IGNORECASE)
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?")
 _HEADER = re.compile(r"(?:x|y|z|f|feed)(?:[;,\s]+(?:x|y|z|f|feed))*[;,\s]*", re.IGNORECASE)
-_POINT = re.compile(r"[-+0-9.,;\seE]*[0-9][-+0-9.,;\seE]*")
+_IN_POINTS: Final = frozenset("+-0123456789.,;eE \t")
 
 
 def looks_like_points(lines: Iterable[str]) -> bool:
@@ -38,7 +38,7 @@ def looks_like_points(lines: Iterable[str]) -> bool:
         line = text.strip().removeprefix("\ufeff")
         if not line or (line.startswith("#") and "=" not in _UNIT.sub("", line)):
             continue
-        return _is_header(line) or _POINT.fullmatch(line) is not None
+        return _is_header(line) or (_IN_POINTS.issuperset(line) and any(map(str.isdigit, line)))
     return False
 
 

@@ -64,13 +64,17 @@ class Interpreter:
         self._reader = BlockReader(self.parameters)
         self._flow = Flow(Source((), setup.file), self.parameters, setup.folders, 0)
         self._ended = False
+        # what was in force before the first line that was not skipped
+        self.start_state: ModalState | None = None
         named.install(self)
 
-    def run(self, lines: Iterable[str]) -> Generator[Move, Facts | None, None]:
+    def run(self, lines: Iterable[str], start_line: int = 1) -> Generator[Move, Facts | None, None]:
         """Yield the program's moves; answer each barrier with ``send``.
 
         Args:
             lines: the program's lines, with or without their ends.
+            start_line: where to begin. The lines before it are carried out as commanded, but
+                their moves are not yielded; ``start_state`` then says what is in force there.
 
         Raises:
             ProgramError: a line is refused.
@@ -78,12 +82,11 @@ class Interpreter:
         source = Source(lines, self.setup.file)
         self._flow = Flow(source, self.parameters, self.setup.folders, self.setup.max_idle_lines)
         try:
-            yield from self._lines()
+            yield from self._lines(start_line)
         except ProgramError as error:
-            if error.line:
-                raise
             now = self._flow.source
-            raise ProgramError(error.message, now.line, error.file or now.file) from error
+            line = error.line or max(now.line, 1)
+            raise ProgramError(error.message, line, error.file or now.file) from error
 
     def modal_state(self) -> ModalState:
         """What is in force behind the last line that was read."""
@@ -122,16 +125,20 @@ class Interpreter:
 
     # Line by line
 
-    def _lines(self) -> Generator[Move, Facts | None, None]:
+    def _lines(self, start_line: int) -> Generator[Move, Facts | None, None]:
         flow = self._flow
         motion = self._motion
+        started = False
         percent = False
         blank = True
         while not self._ended:
             text = flow.next()
             if text is None:
                 break
-            motion.line = flow.source.line
+            motion.line = line = flow.source.line
+            if not started and line >= start_line and not flow.call_level:
+                started = True
+                self.start_state = self.modal_state()
             if blank and text.strip():
                 blank = False
                 text = text.removeprefix("\ufeff")
@@ -141,12 +148,14 @@ class Interpreter:
             if percent and text.strip() == "%":
                 break
             for move in self._line(text):
-                facts = yield move
+                facts = (yield move) if started else None
                 if type(move) in BARRIERS:
                     self._answer(move, facts)
                 flow.idle_lines = 0
+        if not started and start_line > 1:
+            raise ProgramError(f"the program ends before line {start_line}")
         if not self._ended:
-            yield from self._end(max(motion.line, 1))
+            yield from self._end(max(flow.source.line, 1))
 
     def _line(self, text: str) -> Moves:
         """Read a line and carry it out; nothing for an empty one."""

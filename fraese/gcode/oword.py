@@ -153,12 +153,15 @@ class Flow:
 
     def _skip(self, word: OWord, *keywords: str) -> OWord:
         """Go on to the next O-word of the same name with one of these keywords."""
+        line = self.source.line
         while (text := self.source.next()) is not None:
             found = self._passed(text)
             if found is not None and found.name == word.name and found.keyword in keywords:
                 return found
         said = " or ".join(keywords)
-        raise ProgramError(f"o<{word.name}> {word.keyword} has no {said} before the end of file")
+        raise ProgramError(
+            f"o<{word.name}> {word.keyword} has no {said} before the end of file", line
+        )
 
     def _passed(self, text: str) -> OWord | None:
         """The O-word on a line that is only passed over: what is wrong with it is no matter."""

@@ -107,7 +107,9 @@ class Library:
                 return Sub(source.file, first, tuple(lines))
             if len(lines) > MAX_BODY:
                 raise ProgramError(f"o<{name}> sub is longer than {MAX_BODY} lines")
-        raise ProgramError(f"o<{name}> sub has no endsub before the end of file")
+        raise ProgramError(
+            f"o<{name}> sub has no endsub before the end of file", first - 1, source.file
+        )
 
 
 def _lines(source: Source) -> Iterator[str]:
