@@ -96,7 +96,9 @@ class TestConservation:
         readings: int,
         lag_s: float,
     ) -> None:
-        bench = Workbench(wiring, travel_steps=300, readings=readings, lag_s=lag_s)
+        bench = Workbench(
+            wiring, travel_steps=300, overrun_steps=10_000, readings=readings, lag_s=lag_s
+        )
         report = play(bench, story)
         assert bench.lost() == (0, 0, 0)
         assert bench.carriages() == report.position_steps

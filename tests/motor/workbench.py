@@ -143,6 +143,8 @@ class Workbench:
     safe_outputs: int = 0
     table: bytes = MOTRUN
     outputs: bool = False
+    #: From a switch to the mechanical end behind it.
+    overrun_steps: int = 400
     travel_steps: int = TRAVEL_STEPS
     clock: VirtualClock = field(default_factory=VirtualClock)
 
@@ -150,6 +152,7 @@ class Workbench:
         self.mill = Mill(
             [self.travel_steps] * MOTORS,
             [self.limits] * MOTORS,
+            overrun_steps=self.overrun_steps,
             lag_s=self.lag_s,
             bounce_readings=self.bounce_readings,
         )
