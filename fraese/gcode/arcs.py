@@ -19,6 +19,8 @@ OPEN_FACTOR: Final = 100.0
 RELATIVE: Final = 1e-3
 # Radii below this are none; a radius may fall short of half the distance by this.
 NOTHING_MM: Final = 0.00127
+# Points closer than this differ by rounding only.
+SAME_MM: Final = 1e-10
 
 
 def centre_by_radius(start: Flat, end: Flat, radius_mm: float, left: bool) -> Flat:
@@ -35,7 +37,7 @@ def centre_by_radius(start: Flat, end: Flat, radius_mm: float, left: bool) -> Fl
     """
     dx, dy = end[0] - start[0], end[1] - start[1]
     half_mm = math.hypot(dx, dy) / 2
-    if half_mm == 0:
+    if half_mm < SAME_MM:
         raise ProgramError(
             "an arc with R cannot end where it starts; give the centre by I, J or K instead"
         )

@@ -45,7 +45,8 @@ def _power(a: float, b: float) -> float:
 def _modulo(a: float, b: float) -> float:
     if b == 0:
         raise ProgramError("division by zero in MOD")
-    rest = math.fmod(a, b)
+    # Adding nothing makes -0 a plain 0.
+    rest = math.fmod(a, b) + 0.0
     return rest + abs(b) if rest < 0 else rest
 
 

@@ -36,6 +36,8 @@ LETTERS: Final = "xyz"
 OFFSET_LETTERS: Final = "ijk"
 PROBE_RESULT: Final = 5061
 PROBE_TOUCHED: Final = 5070
+# The feed that G93 gives a move of next to no length, in units per minute.
+LEAST_FEED: Final = 0.1
 MAX_TURNS: Final = 100_000
 MAX_REPEATS: Final = 100_000
 
@@ -124,8 +126,7 @@ class Motion:
         inverse = block.words.get("f")
         if inverse is None or inverse <= 0:
             raise ProgramError(f"{name(code)} needs its own F word above 0 while G93 is in force")
-        # A move without length still takes its time; any feed above 0 says "no distance".
-        return length_mm * inverse or inverse
+        return max(length_mm * inverse, LEAST_FEED * self.modal.scale_mm)
 
     # Straight motion
 

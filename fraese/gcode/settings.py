@@ -230,16 +230,16 @@ class Settings:
         coordinates = self._coordinates
         given = [letter in block.words for letter in LETTERS]
         motion.at = motion.target(block)
-        here = coordinates.to_machine(motion.at)
-        yield Rapid(motion.line, here)
-        stored = coordinates.read(HOME[code])
+        yield Rapid(motion.line, coordinates.to_machine(motion.at))
+        # Single axes go home along the program's axes, which a rotation has turned.
+        stored = coordinates.to_program(coordinates.read(HOME[code]))
         every = not any(given)
         x, y, z = (
             home if every or chosen else old
-            for home, chosen, old in zip(stored, given, here, strict=True)
+            for home, chosen, old in zip(stored, given, motion.at, strict=True)
         )
-        motion.at = coordinates.to_program((x, y, z))
-        yield Rapid(motion.line, (x, y, z))
+        motion.at = (x, y, z)
+        yield Rapid(motion.line, coordinates.to_machine(motion.at))
 
     def _store_home(self, code: int, block: Block) -> Iterable[Move]:
         self._coordinates.write(HOME[code], self._coordinates.to_machine(self._motion.at))

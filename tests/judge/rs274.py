@@ -218,7 +218,7 @@ class _Listener:
         return "pause", True
 
     def on_message(self, arguments: str) -> Event:
-        return "message", arguments[1:-1].strip()
+        return "message", arguments[1:-1].strip().replace("-0.0000", "0.0000")
 
     def on_enable_feed_override(self, arguments: str) -> Event:
         return "overrides", True
