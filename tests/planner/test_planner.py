@@ -7,8 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fraese.blocks import Block, Outputs, Watch, WatchAction
+from fraese.blocks import (
+    Block,
+    Outputs,
+    Watch,
+    WatchAction,
+    accel_q_from_hz_s,
+    rate_q8_from_hz,
+)
 from fraese.machine import Machine
+from fraese.planner.lines import line_limits
 from fraese.planner.planner import Options, PathMode, Planner
 from tests.planner.motion import (
     Point,
@@ -332,3 +340,31 @@ def test_reports_carry_the_tags(seed: int) -> None:
     plan = planner(machine())
     blocks = list(plan.line((1.0, 0.0, 0.0), 300.0, seed)) + list(plan.finish())
     assert {block.tag for block in blocks} == {seed}
+
+
+@given(st.sampled_from(MACHINES), paths(), FEEDS)
+def test_blocks_say_what_a_throttle_must_know(
+    axes: Machine, points: list[Point], feed: float | None
+) -> None:
+    for block in run(planner(axes), points, feed):
+        limits = line_limits(axes, block.steps)
+        assert block.accel_q == pytest.approx(
+            accel_q_from_hz_s(limits.acceleration_hz_s), rel=1e-6, abs=1
+        )
+        assert block.jump_rate_q8 == pytest.approx(rate_q8_from_hz(limits.start_hz), abs=1)
+        assert block.weight == pytest.approx(limits.weight, rel=1e-6, abs=1)
+        leaves_hz = 1 / intervals_s(block)[-1]
+        assert block.ends_at_rest == (leaves_hz <= limits.start_hz * (1 + 1e-6))
+
+
+def test_after_a_dwell_motion_begins_from_a_real_standstill() -> None:
+    first_ticks = []
+    for pause_s in (0.0, 0.1):
+        plan = planner(machine())
+        plan.line((1.0, 0.0, 0.0), 1200.0)
+        plan.dwell(pause_s)
+        blocks = run(plan, [(0.0, 0.0, 0.0)], 1200.0)
+        first_ticks.append(1 / intervals_s(blocks[0])[0])
+    turning, standing = first_ticks
+    assert turning < 200
+    assert standing == pytest.approx(800, rel=1e-3)
