@@ -368,3 +368,42 @@ def test_after_a_dwell_motion_begins_from_a_real_standstill() -> None:
     turning, standing = first_ticks
     assert turning < 200
     assert standing == pytest.approx(800, rel=1e-3)
+
+
+def test_a_long_slow_line_is_planned_while_it_is_taken_and_an_override_acts_on_the_rest() -> None:
+    plan = planner(machine())
+    taken = []
+    stream = iter(plan.line((100.0, 0.0, 0.0), 60.0))
+    for block in stream:
+        taken.append(block)
+        assert plan.pending <= 40
+        if len(taken) == 10:
+            plan.set_override(2.0)
+    taken += plan.finish()
+    assert total_steps(taken) == (20_000, 0, 0)
+    assert 10 + (100 - 10) / 2 < duration_s(taken) < 10 + (100 - 10) / 2 + 3
+
+
+def test_blocks_that_were_not_taken_are_not_lost_in_silence() -> None:
+    plan = planner(machine())
+    plan.line((100.0, 0.0, 0.0), 60.0)
+    with pytest.raises(RuntimeError, match="not taken"):
+        plan.line((0.0, 0.0, 0.0), 60.0)
+    with pytest.raises(RuntimeError, match="not taken"):
+        plan.finish()
+    plan.reset((0, 0, 0))
+    assert total_steps(run(plan, [(1.0, 0.0, 0.0)], 60.0)) == (200, 0, 0)
+
+
+def test_a_long_merged_line_comes_before_what_ended_it() -> None:
+    plan = planner(machine())
+    plan.path_control("G64", 0.01)
+    points = [(10.0, 0.0, 0.0), (20.0, 0.0, 0.0), (20.0, 9.0, 0.0), (5.0, 9.0, 0.0)]
+    blocks = run(plan, points[:2], 60.0)
+    blocks += plan.line(points[2], 60.0)
+    blocks += plan.line(points[3], None)
+    blocks += plan.finish()
+    corners = np.cumsum([block.steps for block in blocks], axis=0).tolist()
+    wanted = [[4000, 0, 0], [4000, 1800, 0], [1000, 1800, 0]]
+    assert [corner for corner in corners if corner in wanted] == wanted
+    assert corners == sorted(corners, key=lambda at: (at[1], at[0] if at[1] == 0 else -at[0]))
