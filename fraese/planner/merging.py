@@ -61,7 +61,3 @@ class Chain:
             return False
         self._between, self.end = points, end
         return True
-
-    def clear(self) -> None:
-        """Nothing waits any more."""
-        self.end = None

@@ -5,14 +5,16 @@ r"""The streaming planner: canonical moves in millimetres in, final blocks in st
 
 Rule 1: targets are rounded once and absolutely. A move of no steps vanishes; what it was short of
         a step is in the next target.
-Rule 2: every method gives the blocks that became final by it, in order; take them before the next
-        call. There may be none for a while: what is held back is bounded, and ``drain`` gives it.
+Rule 2: every method gives the blocks that became final by it, in order; take all of them before
+        the next call. A long move or an arc is planned while its blocks are taken, so that memory
+        is bounded and an override acts on what is not taken yet. There may be no blocks for a
+        while: what is held back is bounded too, and ``drain`` gives it.
 Rule 3: blocks so far always allow a stop within themselves; after ``drain`` they end in one.
 Rule 4: memory does not grow with the length of the program, nor with that of an arc.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -104,6 +106,7 @@ class Planner:
         self._exact_stop = False
         self._tolerance_mm = 0.0
         self._chain = Chain()
+        self._streaming = False
         self._outputs: Outputs | None = None
         self._override = 1.0
         self._reached_steps = start_steps
@@ -134,7 +137,7 @@ class Planner:
 
     # --- moves ---------------------------------------------------------------------------------
 
-    def line(self, to_mm: Point, feed_mm_min: float | None = None, tag: int = 0) -> Sequence[Block]:
+    def line(self, to_mm: Point, feed_mm_min: float | None = None, tag: int = 0) -> Iterable[Block]:
         """A straight move.
 
         Args:
@@ -145,16 +148,38 @@ class Planner:
         Raises:
             ValueError: if the feed is not positive.
         """
-        feed_mm_s = self._feed_mm_s(feed_mm_min)
+        feed_mm_s = self._begin(feed_mm_min)
         if self._tolerance_mm and feed_mm_min is not None:
-            self._merge(to_mm, feed_mm_s, tag)
-        else:
-            if self._chain.end is not None:
-                self._end_chain()
-            self._go(to_mm, feed_mm_s, UNLIMITED, tag)
-            self._target_mm = to_mm
+            return self._merge(to_mm, feed_mm_s, tag)
+        held = self._end_chain()
+        if held is not None:
+            return self._line_after(held, to_mm, feed_mm_s, tag)
+        return self._line(to_mm, feed_mm_s, tag)
+
+    def _line(self, to_mm: Point, feed_mm_s: float, tag: int) -> Iterable[Block]:
+        parts = self._go(to_mm, feed_mm_s, UNLIMITED, tag)
+        self._target_mm = to_mm
+        if parts is not None:
+            return parts
         window = self._window
         return window.settle() if window.due else ()
+
+    def _line_after(
+        self, held: Iterator[Block], to_mm: Point, feed_mm_s: float, tag: int
+    ) -> Iterator[Block]:
+        yield from held
+        yield from self._line(to_mm, feed_mm_s, tag)
+
+    def _merge(self, to_mm: Point, feed_mm_s: float, tag: int) -> Iterable[Block]:
+        """Lengthen the line that waits, or let it go and make this one wait."""
+        held = None
+        if not self._chain.take(to_mm, feed_mm_s, self._tolerance_mm):
+            held = self._end_chain()
+            self._chain.begin(self._target_mm, to_mm, feed_mm_s, tag)
+        self._target_mm = to_mm
+        if held is not None:
+            return held
+        return self._window.settle() if self._window.due else ()
 
     def arc(
         self,
@@ -178,10 +203,10 @@ class Planner:
         Raises:
             ValueError: if the feed is not positive, the plane unknown or ``turns`` 0.
         """
+        feed_mm_s = self._begin(feed_mm_min)
         shape = arc_shape(self._target_mm, to_mm, centre_mm, plane, turns)
-        feed_mm_s = self._feed_mm_s(feed_mm_min)
-        self._end_chain()
         self._target_mm = to_mm
+        self._streaming = True
         first, second, _ = shape.axes
         axes = self._machine.axes
         inward_mm_s2 = min(
@@ -198,14 +223,17 @@ class Planner:
     def _walk(
         self, corners: Iterator[Point], feed_mm_s: float, curve_mm_s: float, tag: int
     ) -> Iterator[Block]:
+        yield from self._end_chain() or ()
         exact_stop, window = self._exact_stop, self._window
         for corner in corners:
-            self._go(corner, feed_mm_s, curve_mm_s, tag)
+            yield from self._go(corner, feed_mm_s, curve_mm_s, tag) or ()
+            self._streaming = True
             # Only the ends of an arc are corners of the program.
             self._exact_stop = False
             if window.due:
                 yield from window.settle()
         self._exact_stop = exact_stop
+        self._streaming = False
 
     def watched(
         self, to_mm: Point, feed_mm_min: float | None, watch: Watch, tag: int = 0
@@ -217,7 +245,7 @@ class Planner:
         Raises:
             ValueError: if the feed is not positive.
         """
-        feed_mm_s = self._feed_mm_s(feed_mm_min)
+        feed_mm_s = self._begin(feed_mm_min)
         blocks = list(self.drain())
         self._go(to_mm, feed_mm_s, UNLIMITED, tag, watch)
         self._target_mm = to_mm
@@ -237,13 +265,14 @@ class Planner:
 
     def outputs(self, mask: int, value: int) -> Sequence[Block]:
         """Change free outputs at the first tick of the next move, without stopping for it."""
-        self._end_chain()
+        self._require_taken()
+        blocks = list(self._end_chain() or ())
         if self._outputs is not None:
             before, was = self._outputs
             value = was & ~mask | value & mask
             mask |= before
         self._outputs = Outputs(mask, value & mask)
-        return ()
+        return blocks
 
     def path_control(self, mode: str, tolerance_mm: float = 0.0) -> Sequence[Block]:
         """G61, G61.1 or G64 with its P.
@@ -255,11 +284,12 @@ class Planner:
         Raises:
             ValueError: if the mode is unknown.
         """
-        self._end_chain()
+        self._require_taken()
         wanted = PathMode(mode)
+        blocks = list(self._end_chain() or ())
         self._exact_stop = wanted is PathMode.EXACT_STOP
         self._tolerance_mm = tolerance_mm if wanted is PathMode.BLEND else 0.0
-        return ()
+        return blocks
 
     # --- flow ----------------------------------------------------------------------------------
 
@@ -272,8 +302,9 @@ class Planner:
 
         The next move goes on from there, from the start/stop rate.
         """
-        self._end_chain()
-        return self._window.settle(everything=True)
+        self._require_taken()
+        blocks = list(self._end_chain() or ())
+        return blocks + self._window.settle(everything=True)
 
     def finish(self) -> Sequence[Block]:
         """The same at the end of a program; outputs that wait for a move do not wait longer."""
@@ -310,7 +341,8 @@ class Planner:
             self._options.min_block_s,
         )
         self._window.set_override(self._override)
-        self._chain.clear()
+        self._chain.end = None
+        self._streaming = False
         self._outputs = None
         self._reached_steps = position_steps
         self._slack_steps = slack_steps or self._slack_steps
@@ -318,24 +350,26 @@ class Planner:
 
     # --- from points to segments ---------------------------------------------------------------
 
-    def _feed_mm_s(self, feed_mm_min: float | None) -> float:
+    def _begin(self, feed_mm_min: float | None) -> float:
+        """Every move begins here: nothing is left over, and the feed in mm/s."""
+        self._require_taken()
         if feed_mm_min is None:
             return UNLIMITED
         if not feed_mm_min > 0:
             raise ValueError("a feed is positive")
         return feed_mm_min / _S_PER_MIN * self._options.rate_factor
 
-    def _merge(self, to_mm: Point, feed_mm_s: float, tag: int) -> None:
-        if not self._chain.take(to_mm, feed_mm_s, self._tolerance_mm):
-            self._end_chain()
-            self._chain.begin(self._target_mm, to_mm, feed_mm_s, tag)
-        self._target_mm = to_mm
+    def _require_taken(self) -> None:
+        if self._streaming:
+            raise RuntimeError("the blocks of the move before were not taken")
 
-    def _end_chain(self) -> None:
+    def _end_chain(self) -> Iterator[Block] | None:
+        """Let the line go that waits; what comes is to be taken before anything else is planned."""
         chain = self._chain
-        if chain.end is not None:
-            self._go(chain.end, chain.feed_mm_s, UNLIMITED, chain.tag)
-            chain.clear()
+        if chain.end is None:
+            return None
+        end_mm, chain.end = chain.end, None
+        return self._go(end_mm, chain.feed_mm_s, UNLIMITED, chain.tag)
 
     def _go(
         self,
@@ -344,14 +378,17 @@ class Planner:
         top_mm_s: float,
         tag: int,
         watch: Watch | None = None,
-    ) -> None:
-        """Round the target, take up backlash, and hand the move to the window."""
+    ) -> Iterator[Block] | None:
+        """Round the target, take up backlash, and hand the move to the window.
+
+        A long move is handed over in parts while its blocks are taken; else there are none here.
+        """
         x_mm, y_mm, z_mm = to_mm
         to_x, to_y, to_z = self._to_x(x_mm), self._to_y(y_mm), self._to_z(z_mm)
         at_x, at_y, at_z = self._reached_steps
         steps = to_x - at_x, to_y - at_y, to_z - at_z
         if steps == (0, 0, 0):
-            return
+            return None
         from_x, from_y, from_z = self._segment_mm
         way_mm = x_mm - from_x, y_mm - from_y, z_mm - from_z
         self._reached_steps = to_x, to_y, to_z
@@ -364,25 +401,29 @@ class Planner:
             self._outputs = None
         longest_mm = min(feed_mm_s * self._override, segment.top_mm_s) * self._options.max_block_s
         if segment.length_mm > longest_mm and watch is None:
-            self._append_in_parts(segment, way_mm, math.ceil(segment.length_mm / longest_mm))
-        else:
-            self._window.append(segment, self._exact_stop)
+            self._streaming = True
+            return self._in_parts(segment, way_mm, math.ceil(segment.length_mm / longest_mm))
+        self._window.append(segment, self._exact_stop)
+        return None
 
-    def _append_in_parts(self, whole: Segment, way_mm: Point, parts: int) -> None:
+    def _in_parts(self, whole: Segment, way_mm: Point, parts: int) -> Iterator[Block]:
         """Cut a long segment: each cut is rounded to the step that is nearest to the line."""
         done = (0, 0, 0)
-        exact_stop, outputs = self._exact_stop, whole.outputs
+        exact_stop, outputs, window = self._exact_stop, whole.outputs, self._window
         for part in range(1, parts + 1):
             x, y, z = ((2 * n * part + parts) // (2 * parts) for n in whole.steps)
             steps = x - done[0], y - done[1], z - done[2]
-            done = x, y, z
             if steps == (0, 0, 0):
                 continue
+            done = x, y, z
             segment = self._limits.segment(
                 steps, way_mm, whole.feed_mm_s, whole.top_mm_s, outputs, whole.tag
             )
-            self._window.append(segment, exact_stop)
+            window.append(segment, exact_stop)
             exact_stop, outputs = False, None
+            if window.due:
+                yield from window.settle()
+        self._streaming = False
 
     def _take_up(self, steps: tuple[int, int, int], tag: int) -> None:
         """Before axes turn round, the steps that only their motors make."""

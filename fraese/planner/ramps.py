@@ -76,6 +76,21 @@ def mirrored(pieces: list[Piece]) -> list[Piece]:
     return [piece.mirrored() for piece in reversed(pieces)]
 
 
+def _ramp_ticks(length: float, edge_hz2: float, cruise_hz2: float, twice_hz_s: float) -> int:
+    """Whole ticks of a ramp that is ``length`` ticks long.
+
+    To the nearest tick: the interval of a tick is that of its middle, so neither is the cruise
+    rate exceeded nor is there more than one tick's acceleration between two ticks. The tick next
+    to the edge is one of the ramp whenever it is slower than cruising, even a little: at a
+    standstill it is what keeps to the start/stop rate.
+    """
+    ticks = int(length + 0.5)
+    if not ticks and length > 0:
+        mean_hz = (_sqrt(edge_hz2) + _sqrt(edge_hz2 + twice_hz_s)) / 2
+        return int(mean_hz * mean_hz < cruise_hz2)
+    return ticks
+
+
 def time_law(
     ticks: int, entry_hz2: float, cruise_hz2: float, exit_hz2: float, twice_hz_s: float
 ) -> list[Piece]:
@@ -102,10 +117,10 @@ def time_law(
         up, down = up - crest, down - crest
         # From rest to rest within a tick the mean rate squared is an eighth of ``twice_hz_s``.
         cruise_hz2 = min(cruise_hz2, max(entry_hz2 + twice_hz_s * up, twice_hz_s / 8))
-    # To the nearest tick: the interval of a tick is that of its middle, so neither is the cruise
-    # rate exceeded nor is there more than one tick's acceleration between two ticks.
-    ticks_up = int(up + 0.5)
-    ticks_down = min(ticks - ticks_up - int(2 * crest), int(down + 0.5))
+    ticks_up = _ramp_ticks(up, entry_hz2, cruise_hz2, twice_hz_s)
+    ticks_down = min(
+        ticks - ticks_up - int(2 * crest), _ramp_ticks(down, exit_hz2, cruise_hz2, twice_hz_s)
+    )
     flat = ticks - ticks_up - ticks_down
     pieces = ramp_up(entry_hz2, twice_hz_s, ticks_up) if ticks_up else []
     if flat:

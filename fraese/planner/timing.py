@@ -17,7 +17,7 @@ WEIGHT_PER_MM2: Final = 65536**2
 #: ``accel_q`` of one tick/s**2, see ``blocks.accel_q_from_hz_s``.
 _ACCEL_Q: Final = Q8 * 65536 / CYCLES_PER_S
 #: Rates this close are the same.
-_SAME: Final = 1 + 1e-9
+_SAME: Final = 1 + 1e-6
 
 _sqrt = math.sqrt
 _new = tuple.__new__
@@ -45,8 +45,9 @@ class BlockMaker:
             cruise_mm2_s2: of the speed wanted in between,
             exit_mm2_s2: and of that at its end.
         """
-        ticks, length_mm, rest_mm_s = segment.ticks, segment.length_mm, segment.rest_mm_s
-        per_mm = ticks / length_mm
+        ticks = segment.ticks
+        per_mm = ticks / segment.length_mm
+        start_hz = segment.start_mm_s * per_mm
         twice_mm_s2 = segment.twice_mm_s2
         if entry_mm2_s2 == cruise_mm2_s2 == exit_mm2_s2:
             pieces: tuple[Piece, ...] = (Piece(ticks, interval_q8(_sqrt(cruise_mm2_s2) * per_mm)),)
@@ -71,9 +72,9 @@ class BlockMaker:
                 steps,
                 pieces,
                 int(twice_mm_s2 * per_mm / 2 * _ACCEL_Q + 0.5) or 1,
-                int(segment.start_mm_s * per_mm * Q8 + 0.5),
+                int(start_hz * Q8 + 0.5),
                 int(WEIGHT_PER_MM2 / (per_mm * per_mm) + 0.5) or 1,
-                exit_mm2_s2 <= rest_mm_s * rest_mm_s * _SAME,
+                pieces[-1].last_interval_q8() * start_hz * _SAME >= CYCLES_PER_S * Q8,
                 segment.watch,
                 segment.outputs,
                 segment.tag,

@@ -137,3 +137,10 @@ def test_a_helix_of_a_thousand_turns_is_a_stream() -> None:
     for _, block in zip(range(2000), stream, strict=False):
         assert any(block.steps)
         assert planner.pending <= 232
+
+
+def test_an_arc_that_was_not_taken_is_not_lost_in_silence() -> None:
+    planner = Planner(machine(), (1000, 0, 0), Options())
+    planner.arc((0.0, 5.0, 0.0), (0.0, 0.0), 17, 1, 600.0)
+    with pytest.raises(RuntimeError, match="not taken"):
+        planner.line((0.0, 0.0, 0.0))

@@ -7,8 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fraese.blocks import Block, Outputs, Watch, WatchAction
+from fraese.blocks import (
+    Block,
+    Outputs,
+    Watch,
+    WatchAction,
+    accel_q_from_hz_s,
+    rate_q8_from_hz,
+)
 from fraese.machine import Machine
+from fraese.planner.lines import line_limits
 from fraese.planner.planner import Options, PathMode, Planner
 from tests.planner.motion import (
     Point,
@@ -332,3 +340,70 @@ def test_reports_carry_the_tags(seed: int) -> None:
     plan = planner(machine())
     blocks = list(plan.line((1.0, 0.0, 0.0), 300.0, seed)) + list(plan.finish())
     assert {block.tag for block in blocks} == {seed}
+
+
+@given(st.sampled_from(MACHINES), paths(), FEEDS)
+def test_blocks_say_what_a_throttle_must_know(
+    axes: Machine, points: list[Point], feed: float | None
+) -> None:
+    for block in run(planner(axes), points, feed):
+        limits = line_limits(axes, block.steps)
+        assert block.accel_q == pytest.approx(
+            accel_q_from_hz_s(limits.acceleration_hz_s), rel=1e-6, abs=1
+        )
+        assert block.jump_rate_q8 == pytest.approx(rate_q8_from_hz(limits.start_hz), abs=1)
+        assert block.weight == pytest.approx(limits.weight, rel=1e-6, abs=1)
+        leaves_hz = 1 / intervals_s(block)[-1]
+        assert block.ends_at_rest == (leaves_hz <= limits.start_hz * (1 + 1e-6))
+
+
+def test_after_a_dwell_motion_begins_from_a_real_standstill() -> None:
+    first_ticks = []
+    for pause_s in (0.0, 0.1):
+        plan = planner(machine())
+        plan.line((1.0, 0.0, 0.0), 1200.0)
+        plan.dwell(pause_s)
+        blocks = run(plan, [(0.0, 0.0, 0.0)], 1200.0)
+        first_ticks.append(1 / intervals_s(blocks[0])[0])
+    turning, standing = first_ticks
+    assert turning < 200
+    assert standing == pytest.approx(800, rel=1e-3)
+
+
+def test_a_long_slow_line_is_planned_while_it_is_taken_and_an_override_acts_on_the_rest() -> None:
+    plan = planner(machine())
+    taken = []
+    stream = iter(plan.line((100.0, 0.0, 0.0), 60.0))
+    for block in stream:
+        taken.append(block)
+        assert plan.pending <= 40
+        if len(taken) == 10:
+            plan.set_override(2.0)
+    taken += plan.finish()
+    assert total_steps(taken) == (20_000, 0, 0)
+    assert 10 + (100 - 10) / 2 < duration_s(taken) < 10 + (100 - 10) / 2 + 3
+
+
+def test_blocks_that_were_not_taken_are_not_lost_in_silence() -> None:
+    plan = planner(machine())
+    plan.line((100.0, 0.0, 0.0), 60.0)
+    with pytest.raises(RuntimeError, match="not taken"):
+        plan.line((0.0, 0.0, 0.0), 60.0)
+    with pytest.raises(RuntimeError, match="not taken"):
+        plan.finish()
+    plan.reset((0, 0, 0))
+    assert total_steps(run(plan, [(1.0, 0.0, 0.0)], 60.0)) == (200, 0, 0)
+
+
+def test_a_long_merged_line_comes_before_what_ended_it() -> None:
+    plan = planner(machine())
+    plan.path_control("G64", 0.01)
+    points = [(10.0, 0.0, 0.0), (20.0, 0.0, 0.0), (20.0, 9.0, 0.0), (5.0, 9.0, 0.0)]
+    blocks = run(plan, points[:2], 60.0)
+    blocks += plan.line(points[2], 60.0)
+    blocks += plan.line(points[3], None)
+    blocks += plan.finish()
+    corners = np.cumsum([block.steps for block in blocks], axis=0).tolist()
+    wanted = [[4000, 0, 0], [4000, 1800, 0], [1000, 1800, 0]]
+    assert [corner for corner in corners if corner in wanted] == wanted
+    assert corners == sorted(corners, key=lambda at: (at[1], at[0] if at[1] == 0 else -at[0]))
