@@ -185,6 +185,11 @@ class FraeseApp(App[None]):
         self._worker.cancel()
         self.exit(return_code=128 + number)
 
+    @property
+    def busy(self) -> bool:
+        """The machine's thread has something to do, or there is something left to draw."""
+        return self._worker.busy or self._draw_planned
+
     # --- from the machine's thread -------------------------------------------------------------
 
     def _offer(self) -> None:

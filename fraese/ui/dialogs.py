@@ -1,6 +1,6 @@
 """Dialogs: one question each, Enter says yes, Escape goes back."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
@@ -20,6 +20,32 @@ from fraese.ui.targets import Target, parse_target
 R = TypeVar("R")
 
 
+class Tick(Checkbox):
+    """A box whose state is seen without colours too."""
+
+    def __init__(self, label: str, value: bool = False, *, id: str) -> None:  # noqa: A002
+        super().__init__(label, value, id=id, compact=True)
+        self.BUTTON_INNER = "✓" if value else " "
+
+    def watch_value(self) -> None:
+        """Draw the tick, or none."""
+        self.BUTTON_INNER = "✓" if self.value else " "
+        super().watch_value()
+
+
+class Choice(RadioButton):
+    """One of several, seen without colours too."""
+
+    def __init__(self, label: str, value: bool = False) -> None:
+        super().__init__(label, value)
+        self.BUTTON_INNER = "●" if value else " "
+
+    def watch_value(self) -> None:
+        """Draw the point, or none."""
+        self.BUTTON_INNER = "●" if self.value else " "
+        super().watch_value()
+
+
 class Dialog(ModalScreen[R | None]):
     """A box in the middle, with a title and two buttons. The result None: nothing is wanted."""
 
@@ -37,7 +63,7 @@ class Dialog(ModalScreen[R | None]):
             with Horizontal(classes="buttons"):
                 yield Button(self.YES, variant="primary", id="yes", compact=True)
                 yield Button("Back", id="back", compact=True)
-                yield Fact(self.KEYS, classes="hint")
+            yield Fact(self.KEYS, classes="hint")
 
     def inner(self) -> ComposeResult:
         """What is asked."""
@@ -112,7 +138,7 @@ class GoToDialog(Dialog[GoTo]):
         yield Fact("counted from", classes="label")
         with RadioSet(id="counted-from"):
             for choice in From:
-                yield RadioButton(choice.value, value=choice is self._counted_from)
+                yield Choice(choice.value, choice is self._counted_from)
 
     def action_counted_from(self, by: int) -> None:
         """The next choice, or the one before; also while the input has the focus."""
@@ -164,8 +190,8 @@ class ReferenceDialog(Dialog[Reference]):
         """A box per axis, all ticked."""
         with Horizontal(classes="boxes"):
             for axis in self._axes:
-                yield Checkbox(axis.upper(), True, id=f"axis-{axis}", compact=True)
-        yield Checkbox("measure the travel to the other end too", id="measure", compact=True)
+                yield Tick(axis.upper(), True, id=f"axis-{axis}")
+        yield Tick("measure the travel to the other end too", id="measure")
 
     def action_toggle(self, name: str) -> None:
         """Tick or untick."""
@@ -182,6 +208,18 @@ class ReferenceDialog(Dialog[Reference]):
             self.complain("Choose at least one axis.")
             return
         self.dismiss(Reference(axes, "measure" in ticked))
+
+
+class FileTree(DirectoryTree):
+    """Folders and files, hidden ones left out."""
+
+    ICON_NODE = "▸ "
+    ICON_NODE_EXPANDED = "▾ "
+    ICON_FILE = "  "
+
+    def filter_paths(self, paths: Iterable[Path]) -> Iterable[Path]:
+        """Leave out what is hidden."""
+        return [path for path in paths if not path.name.startswith(".")]
 
 
 class OpenDialog(Dialog[Path]):
@@ -204,7 +242,7 @@ class OpenDialog(Dialog[Path]):
     def inner(self) -> ComposeResult:
         """Input and tree."""
         yield Input(self._path, placeholder="path of a program file", id="file")
-        yield DirectoryTree(self._folder, id="tree")
+        yield FileTree(self._folder, id="tree")
 
     @on(DirectoryTree.FileSelected)
     def _chosen(self, event: DirectoryTree.FileSelected) -> None:

@@ -1,9 +1,10 @@
 """The help screen, made from the key table."""
 
+from rich.table import Table
+from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical, VerticalScroll
-from textual.content import Content
 from textual.screen import ModalScreen
 from textual.widgets import Static
 
@@ -29,15 +30,17 @@ class HelpScreen(ModalScreen[None]):
             yield Fact("Keys", classes="dialog-title")
             with VerticalScroll():
                 for group in GROUPS:
+                    yield Fact(group, classes="help-heading")
                     yield Static(self._group(group), classes="help-group")
                 yield Static("\n\n".join(_NOTES), classes="help-notes", markup=False)
             yield Fact("Every command is also in the palette: Ctrl+P.   Esc: back", classes="hint")
 
     @staticmethod
-    def _group(group: str) -> Content:
-        lines = [Content.styled(group, "bold $primary")]
+    def _group(group: str) -> Table:
+        table = Table.grid(padding=(0, 2))
+        table.add_column(justify="right", min_width=5, no_wrap=True)
+        table.add_column()
         for command in COMMANDS:
             if command.group == group:
-                key = Content.styled(f"{command.shown:>6}  ", "bold $accent")
-                lines.append(Content.assemble(key, f"{command.title}: {command.help}"))
-        return Content("\n").join(lines)
+                table.add_row(Text(command.shown, "bold"), f"{command.title}: {command.help}")
+        return table

@@ -88,30 +88,40 @@ class Command:
     priority: bool = False
 
 
-def _jogs() -> tuple[Command, ...]:
-    rows = (
-        ("left", "←", "x", -1),
-        ("right", "→", "x", 1),
-        ("down", "↓", "y", -1),
-        ("up", "↑", "y", 1),
-        ("pagedown", "PgDn", "z", -1),
-        ("pageup", "PgUp", "z", 1),
-    )
-    return tuple(
-        Command(
-            key,
-            shown,
-            f"jog('{axis}', {sign})",
-            f"Jog {axis.upper()}{'+' if sign > 0 else '−'}",
-            f"Move {axis.upper()} by one step width in"
-            f" {'positive' if sign > 0 else 'negative'} direction.",
-            "Jog",
-        )
-        for key, shown, axis, sign in rows
+def _jog(keys: str, shown: str, axis: str, sign: int) -> Command:
+    direction = "positive" if sign > 0 else "negative"
+    return Command(
+        keys,
+        shown,
+        f"jog('{axis}', {sign})",
+        f"Jog {axis.upper()}{'+' if sign > 0 else '−'}",
+        f"Move {axis.upper()} by one step width in {direction} direction.",
+        "Jog",
     )
 
 
-COMMANDS: Final = (
+def _set_width(number: int, width: Width) -> Command:
+    rule = "" if width.mm else f"; from press {REPEAT_FROM} of the same key on {REPEAT_FACTOR}"
+    return Command(
+        str(number),
+        str(number),
+        f"set_width({number - 1})",
+        f"Step {width.label}",
+        f"Step width {width.label}{rule}.",
+        "Jog",
+    )
+
+
+def _zero(axis: str) -> Command:
+    name = axis.upper()
+    return Command(
+        name, name, f"zero('{axis}')", f"Zero {name}", f"Let the work zero of {name} be here.",
+        "Position",
+    )  # fmt: skip
+
+
+#: In the order in which the list of commands shows them, column by column.
+LISTED: Final = (
     Command(
         "escape,ctrl+c", "Esc", "stop_machine", "Stop",
         "Brake with ramp and drop the rest of the job; pressed again while it still moves: stop"
@@ -120,72 +130,52 @@ COMMANDS: Final = (
         "Stop", "Stop", True,
     ),
     Command(
-        "space", "Space", "hold", "Hold / go on",
+        "space", "Space", "hold", "Hold, go on",
         "Brake with ramp and wait; once more: go on where it stands.", "Stop", "Hold",
     ),
     Command(
         "enter", "Enter", "acknowledge", "Acknowledge",
         "Take note of an error; before that nothing moves.", "Stop",
     ),
-    *_jogs(),
+    _jog("pageup", "PgUp", "z", 1),
+    _jog("pagedown", "PgDn", "z", -1),
     Command(
-        "w,plus", "w", "width(1)", "Wider step",
-        "The next larger step width, after the largest the smallest; also +.", "Jog", "Width",
+        "q", "q", "leave", "Quit",
+        "Leave, motors off. While the machine runs, stop it first.", "Machine", "Quit",
     ),
-    Command(
-        "W,minus", "W", "width(-1)", "Narrower step",
-        "The next smaller step width; also -.", "Jog",
-    ),
-    *(
-        Command(
-            str(number), str(number), f"set_width({number - 1})", f"Step {width.label}",
-            f"Step width {width.label}"
-            + (
-                "." if width.mm
-                else f"; from press {REPEAT_FROM} of the same key on {REPEAT_FACTOR}."
-            ),
-            "Jog",
-        )
-        for number, width in enumerate(WIDTHS, start=1)
-    ),
+    _jog("left", "←", "x", -1),
+    _jog("right", "→", "x", 1),
+    _jog("down", "↓", "y", -1),
+    _jog("up", "↑", "y", 1),
     Command(
         "g", "g", "go_to", "Go to …",
         "Go straight to a position, in work or machine coordinates, or by a distance.",
-        "Position", "Go to",
+        "Position", "Go",
     ),
     Command(
         "r", "r", "reference", "Reference …",
         "Run to the end switches: all axes or chosen ones; measure the travel if wanted.",
         "Position", "Ref",
     ),
-    *(
-        Command(
-            axis.upper(), axis.upper(), f"zero('{axis}')", f"Zero {axis.upper()}",
-            f"Let the work zero of {axis.upper()} be here.", "Position",
-        )
-        for axis in "xyz"
+    *(_zero(axis) for axis in "xyz"),
+    Command(
+        "A", "A", "zero('')", "Zero all", "Let the work zero of all axes be here.", "Position",
     ),
-    Command("A", "A", "zero('')", "Zero all", "Let the work zero of all axes be here.",
-            "Position"),
     Command(
         "o", "o", "open", "Open program …", "Choose a program file; it is read and checked.",
         "Program", "Open",
     ),
-    Command("s", "s", "start", "Start program", "Run the program from its first line.",
-            "Program", "Start"),
+    Command(
+        "s", "s", "start", "Start program", "Run the program from its first line.",
+        "Program", "Start",
+    ),
     Command(
         "v", "v", "picture", "Next picture",
         "Data with commands, data with large positions, path with position.", "Display", "View",
     ),
+    Command("t", "t", "theme", "Dark or light", "Change between dark and light.", "Display"),
     Command(
-        "ctrl+up", "^↑", "scroll_path(-1)", "Path up", "Scroll the program up.", "Display",
-    ),
-    Command(
-        "ctrl+down", "^↓", "scroll_path(1)", "Path down", "Scroll the program down.", "Display",
-    ),
-    Command("t", "t", "theme", "Dark / light", "Change between dark and light.", "Display"),
-    Command(
-        "e", "e", "switch_test", "Switch test",
+        "e", "e", "switch_test", "Switch test …",
         "Press each end switch by hand and see it arrive.", "Machine",
     ),
     Command(
@@ -193,18 +183,32 @@ COMMANDS: Final = (
         "Let contacts stop the motors, or not: only for trying things out.", "Machine",
     ),
     Command(
-        "l", "l", "log", "Log on / off",
+        "l", "l", "log", "Log on or off",
         "Write what happens to the log file, or stop writing.", "Machine",
     ),
     Command("question_mark,f1", "?", "help", "Help", "This page; also F1.", "Machine", "Help"),
+)  # fmt: skip
+
+#: The widths have a line of their own, the path is in another picture.
+UNLISTED: Final = (
     Command(
-        "q", "q", "leave", "Quit",
-        "Leave, motors off. While the machine runs, stop it first.", "Machine",
+        "w,plus", "w", "width(1)", "Wider step",
+        "The next larger step width, after the largest the smallest; also +.", "Jog",
     ),
     Command(
-        "ctrl+q", "^q", "quit", "Quit at once",
-        "Brake, motors off, leave.", "Machine", priority=True,
+        "W,minus", "W", "width(-1)", "Narrower step",
+        "The next smaller step width; also -.", "Jog",
+    ),
+    *(_set_width(number, width) for number, width in enumerate(WIDTHS, start=1)),
+    Command("ctrl+up", "^↑", "scroll_path(-1)", "Path up", "Scroll the program up.", "Program"),
+    Command(
+        "ctrl+down", "^↓", "scroll_path(1)", "Path down", "Scroll the program down.", "Program",
+    ),
+    Command(
+        "ctrl+q", "^q", "quit", "Quit at once", "Brake, motors off, leave.", "Machine",
+        priority=True,
     ),
 )  # fmt: skip
 
-GROUPS: Final = tuple(dict.fromkeys(command.group for command in COMMANDS))
+COMMANDS: Final = LISTED + UNLISTED
+GROUPS: Final = ("Stop", "Jog", "Position", "Program", "Display", "Machine")

@@ -52,7 +52,7 @@ class MachineScreen(Screen[None]):
         yield CommandList()
         yield self._job
         yield self._message
-        yield Footer(show_command_palette=False, compact=True)
+        yield Footer(compact=True)
 
     @property
     def picture(self) -> str:

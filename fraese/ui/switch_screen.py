@@ -62,7 +62,7 @@ class SwitchScreen(ModalScreen[None]):
         """Heading, switches, input, what to do."""
         keys = "↑ ↓: ask for another one   Esc: back"
         if self._hand is not None:
-            keys = "p: press it, or let go, on the simulated mill   " + keys
+            keys = "p: press, let go (simulated)   " + keys
         with Vertical(classes="dialog"):
             yield Fact("Switch test", classes="dialog-title")
             yield self._sentence
@@ -106,9 +106,10 @@ class SwitchScreen(ModalScreen[None]):
         if self._test.look(state.switch_closed):
             self.app.bell()
         self._input.show(switch_words(state), "-alarm" if state.switch_closed else "-weak")
-        levels = "   ".join(f"{pin}: {'high' if high else 'low'}"
-                            for pin, high in sorted(state.inputs.items()))  # fmt: skip
-        self._pins.show(f"input pins   {levels}")
+        levels = "  ".join(
+            f"{pin} {'high' if high else 'low'}" for pin, high in sorted(state.inputs.items())
+        )
+        self._pins.show(f"input pins  {levels}")
         self._draw()
 
     def _draw(self) -> None:

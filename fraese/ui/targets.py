@@ -7,7 +7,7 @@ from typing import Final
 
 from fraese.errors import UsageError
 
-_WORD: Final = re.compile(r"\s*([A-Za-z])\s*([+-]?(?:\d+\.?\d*|\.\d+))(?![\w.,])")
+_WORD: Final = re.compile(r"\s*([A-Za-z])\s*([+-]?(?:\d+\.?\d*|\.\d+))(?![\d.,])")
 
 
 @dataclass(frozen=True, slots=True)
