@@ -5,6 +5,7 @@ A new card, port or clock is one class in its room and one row in a table here.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import Final, Literal
 
@@ -19,7 +20,7 @@ from fraese.machine import Machine
 from fraese.motor.cards import STEPDIR_PROFILES, OutputPin, SmcCard, StepDirCard
 from fraese.motor.clock import MonotonicClock, PacedClock, VirtualClock
 from fraese.motor.core import MotorCore
-from fraese.motor.mill import Mill, RotorLimits
+from fraese.motor.mill import TURN_STEPS, Mill, RotorLimits
 from fraese.motor.phases import LEVEL_MAPS, PHASE_TABLES
 from fraese.motor.ports.sim import (
     Electronics,
@@ -132,6 +133,13 @@ ELECTRONICS: Final[Mapping[str, Callable[[Mill, Clock, Config], Electronics]]] =
 }
 
 
+#: What the simulated mill counts in one step of the card: half-steps, pulses.
+_HALF_STEPS: Final[Mapping[str, Callable[[Config], Fraction]]] = {
+    "smc1500": lambda config: Fraction(TURN_STEPS, len(phase_table(config.card.table))),
+    "stepdir": lambda config: Fraction(1),
+}
+
+
 def _simulation(config: Config, machine: Machine, clock: Clock) -> SimulatedMill:
     simulation = config.simulation
     limits = RotorLimits(
@@ -140,10 +148,13 @@ def _simulation(config: Config, machine: Machine, clock: Clock) -> SimulatedMill
         acceleration_hz_s=simulation.acceleration_hz_s,
         snaps_to_pole=simulation.snaps_to_pole,
     )
+    scale = _HALF_STEPS[config.card.kind](config)
     mill = Mill(
-        travel_steps=[axis.to_steps(axis.travel_mm) for axis in machine.axes],
+        travel_steps=[round(axis.to_steps(axis.travel_mm) * scale) for axis in machine.axes],
         limits=[limits] * len(machine.axes),
-        overrun_steps=max(axis.to_steps(simulation.overrun_mm) for axis in machine.axes),
+        overrun_steps=max(
+            round(axis.to_steps(simulation.overrun_mm) * scale) for axis in machine.axes
+        ),
         lag_s=simulation.lag_ms / 1000,
         bounce_readings=simulation.bounce_readings,
     )

@@ -11,7 +11,7 @@ Rule 3: a job ends in exactly one way: done, cancelled, stopped by a switch, or 
 """
 
 from collections import deque
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from fraese.blocks import Block
 from fraese.errors import FraeseError
@@ -21,6 +21,9 @@ from fraese.motor.seams import Ended, Report, StepDriver
 from fraese.planner.backlash import Carriages
 from fraese.planner.lines import mm_per_tick, planned_s
 from fraese.state import Status
+
+#: An input that still changes after so many readings is a matter for a person.
+_MOST_LOOKS: Final = 1000
 
 
 class _Ahead(NamedTuple):
@@ -91,6 +94,7 @@ class Runner:
 
     def hold(self) -> None:
         """Brake and wait."""
+        self._resume = False
         self._held = True
         self._driver.brake()
 
@@ -99,8 +103,9 @@ class Runner:
         self._resume = True
 
     def answer(self) -> None:
-        """The operator has done what was asked."""
-        self._answered = True
+        """The operator has done what was asked; nothing without a question."""
+        if self.question:
+            self._answered = True
 
     # --- from the run loop's thread ------------------------------------------------------------
 
@@ -120,11 +125,19 @@ class Runner:
         self._forget_played()
         return self.report
 
+    def look_around(self, readings: int) -> None:
+        """Poll until the inputs are known: so many equal readings in a row, after any bounce."""
+        equal = 0
+        for _ in range(_MOST_LOOKS):
+            before = self.report.inputs
+            equal = equal + 1 if self.look().inputs == before else 0
+            if equal >= readings:
+                return
+
     def activate(self) -> Status:
         """One round: feed the queue, play a slice, see how it stands (ActivateMotoren)."""
         if self._resume:
-            self._resume = self._held = False
-            self._driver.resume()
+            self._go_on()
         try:
             self._feed()
         except FraeseError as error:
@@ -135,6 +148,30 @@ class Runner:
         self._report_is_fresh = True
         self._forget_played()
         return self._judge(self.report)
+
+    def abandon(self) -> None:
+        """Something unforeseen happened: the job is dropped, the motors stop at the next poll."""
+        self._job = self._pending = self._wait = None
+        self.question = ""
+        self._driver.stop()
+
+    @property
+    def finished(self) -> int:
+        """Blocks of this job that were played to their end, the one in hand left out."""
+        return max(0, self.report.playing - self._serial_at_start - 1)
+
+    @property
+    def waits(self) -> bool:
+        """Nothing moves until a person does something."""
+        return self.report.held or bool(self.question)
+
+    def _go_on(self) -> None:
+        """Resume, unless somebody has cancelled since; also if he does it at this moment."""
+        self._resume = self._held = False
+        if not self._cancel:
+            self._driver.resume()
+        if self._cancel or self._held:
+            self._driver.brake()
 
     def position_steps(self) -> Steps:
         """Axis positions at the last report."""
@@ -174,7 +211,7 @@ class Runner:
 
     def _feed(self) -> None:
         ahead_s = self.ahead_s()
-        while self._job is not None and not self._held:
+        while self._job is not None and not (self._held or self._cancel or self._stop):
             if self._pending is not None:
                 if ahead_s >= self._lead_s or not self._driver.push(self._pending):
                     return
@@ -217,11 +254,13 @@ class Runner:
     def _is_over(self, wait: Standstill | Ask) -> bool:
         if not self._report_is_fresh or self.report.queued:
             return False
-        if isinstance(wait, Ask) and not self._answered:
-            self.question = wait.question
-            return False
+        if isinstance(wait, Ask):
+            if not self.question:
+                self._answered = False
+                self.question = wait.question
+            if not self._answered:
+                return False
         self.question = ""
-        self._answered = False
         return True
 
     def _judge(self, report: Report) -> Status:
