@@ -202,7 +202,7 @@ class Plant:
         also = {
             "simulation": simulation,
             "moving": moving,
-            "steps_per_mm": _ratios(self.controller.machine),
+            "axes": _meaning(self.config, self.controller.machine),
         }
         self.journal.save(self.controller.keep().model_copy(update=also))
 
@@ -217,8 +217,14 @@ def state_folder() -> Path:
     return Path(platformdirs.user_state_dir("fraese"))
 
 
-def _ratios(machine: Machine) -> tuple[str, ...]:
-    return tuple(str(axis.steps_per_mm) for axis in machine.axes)
+def _meaning(config: Config, machine: Machine) -> tuple[str, ...]:
+    """What steps, phases and slack are counted in: a word per axis."""
+    table = config.card.table if config.card.kind == "smc1500" else ""
+    return tuple(
+        f"{config.card.kind} {table} {axis.steps_per_mm} {axis.motor_sign} {axis.home_sign}"
+        f" {axis.low_mm} {axis.high_mm} {axis.backlash_steps}"
+        for axis in machine.axes
+    )
 
 
 def assemble(
@@ -247,7 +253,7 @@ def assemble(
     journal = Journal(state) if state is not None else None
     notes = []
     kept = journal.load(len(machine.axes)) if journal is not None and not fresh else None
-    if kept is not None and kept.steps_per_mm != _ratios(machine):
+    if kept is not None and kept.axes != _meaning(config, machine):
         notes.append("The axes were configured otherwise before: the old position is forgotten.")
         kept = None
     if kept is not None:

@@ -29,6 +29,7 @@ from fraese.errors import FraeseError, LimitError, StateError, SwitchAlarm
 from fraese.jobs import Job
 from fraese.journal import Kept
 from fraese.log import LogFile, logged
+from fraese.log import write as log_line
 from fraese.machine import Axis, Machine, Millimetres, Steps
 from fraese.motor.seams import Clock, End, IdleLevel, Report, StepDriver, SwitchMode
 from fraese.offsets import WorkOffsets
@@ -164,6 +165,7 @@ class Controller:
         """Work off what was commanded; returns the status in which it ended."""
         if self._status is not Status.RUN:
             return self._status
+        log_line("controller", "run", "entry", self._progress.name if self._progress else "")
         self._display()
         try:
             while self._status is Status.RUN:
@@ -176,6 +178,7 @@ class Controller:
         self._conclude()
         self._display()
         self._halt_motors()
+        log_line("controller", "run", "exit", f"{self._status.value} {self.where()}")
         return self._status
 
     def idle(self, elapsed_s: float = 0.0) -> None:
@@ -193,8 +196,9 @@ class Controller:
             self._runner.look()
 
     def close(self) -> None:
-        """Motors off, port given back (FraesEnd)."""
+        """Motors off, port given back, log off (FraesEnd)."""
         self._driver.close()
+        self.switch_log(False)
 
     def start(self, name: str, job: Job, lines: int = 0, expected_s: float = 0.0) -> None:
         """Take up a job; ``run`` works it off.
@@ -583,8 +587,10 @@ class Controller:
         return Watch(mask, mask if bit_set else 0, action)
 
     def probe_watch(self, *, closed: bool, action: WatchAction) -> Watch:
-        """A watch on the probe input."""
+        """A watch on the probe input; without a pin of its own that is the end switches'."""
         probe = self.config.probe
+        if probe.pin is None:
+            return self.switch_watch(closed=closed, action=action)
         mask = INPUT_PINS[probe.pin][0]
         return Watch(mask, mask if bool(probe.closed_reads) == closed else 0, action)
 
