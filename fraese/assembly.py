@@ -177,6 +177,23 @@ class Plant:
     config: Config
     notes: tuple[str, ...] = ()
 
+    @property
+    def is_simulated(self) -> bool:
+        """There is no metal."""
+        return isinstance(self.port, SimulatedMill)
+
+    @property
+    def machine_name(self) -> str:
+        """What is driven, for the title."""
+        return "simulated mill" if self.is_simulated else self.config.port.kind
+
+    def press(self, end_name: str, pressed: bool) -> None:
+        """Press an end switch of a simulated mill by hand, or let it go, by its name (xmin)."""
+        if not isinstance(self.port, SimulatedMill):
+            return
+        end = self.controller.motor_end(end_name)
+        (self.port.press if pressed else self.port.let_go)(end)
+
     def save(self, *, moving: bool = False) -> None:
         """Keep the state; ``moving`` before motion, so that a crash is noticed.
 

@@ -595,6 +595,16 @@ class Controller:
         """As in the original: xmin, xmax, ..."""
         return self.machine.axes[end.motor].name + ("max" if end.sign > 0 else "min")
 
+    def motor_end(self, name: str) -> End:
+        """The end of that name as the driver counts it, in motor direction.
+
+        Raises:
+            ValueError: if there is no such end.
+        """
+        index = self.machine.index(name.removesuffix("min").removesuffix("max"))
+        sign = 1 if name.endswith("max") else -1
+        return End(index, sign * self.machine.axes[index].motor_sign)
+
     def _ends_named(self) -> str:
         return " or ".join(self.end_name(end) for end in sorted(self.ends())) or "unknown"
 
