@@ -340,6 +340,9 @@ class RunConfig(Section):
             " of the travel."
         ),
     )
+    retract_mm: NotNegative = Field(
+        0, description="How far the tool is lifted while a program is held, mm; 0: it stays."
+    )
     list_unit: Literal["mm", "inch"] = Field(
         "mm", description="Unit of coordinate lists that do not say theirs."
     )

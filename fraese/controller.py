@@ -18,10 +18,10 @@ The run loop is the original's:
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
-from fraese.blocks import Watch, WatchAction
+from fraese.blocks import Block, Watch, WatchAction
 from fraese.calibration import Homing
 from fraese.config import Config
 from fraese.context import ProgramContext
@@ -34,7 +34,7 @@ from fraese.motor.seams import Clock, End, IdleLevel, Report, StepDriver, Switch
 from fraese.offsets import WorkOffsets
 from fraese.planner.backlash import Carriages, take_up
 from fraese.planner.lines import plan_line
-from fraese.runner import Runner
+from fraese.runner import Detour, Runner
 from fraese.state import JobProgress, MachineState, Status
 
 #: DB25 pins of the inputs: status register bit, and whether pin and bit are inverted.
@@ -190,8 +190,22 @@ class Controller:
         """Motors off, port given back (FraesEnd)."""
         self._driver.close()
 
-    def start(self, name: str, job: Job, lines: int = 0, expected_s: float = 0.0) -> None:
+    def start(
+        self,
+        name: str,
+        job: Job,
+        lines: int = 0,
+        expected_s: float = 0.0,
+        detour: Detour | None = None,
+    ) -> None:
         """Take up a job; ``run`` works it off.
+
+        Args:
+            name: for people.
+            job: what to do.
+            lines: how many lines it has, for the progress.
+            expected_s: planned duration, likewise.
+            detour: where to go while it is held; None: stay.
 
         Raises:
             StateError: if another one runs, or an error has not been acknowledged.
@@ -202,7 +216,7 @@ class Controller:
         self._idle_at_ns = None
         self._progress = JobProgress(name, lines=lines, expected_s=expected_s)
         self._job_from_ns = self._clock.now_ns()
-        self._runner.start(job)
+        self._runner.start(job, detour)
         self._status = Status.RUN
 
     def acknowledge(self) -> None:
@@ -631,18 +645,34 @@ class Controller:
     def _axis(self, name: str) -> Axis:
         return self.machine.axes[self.machine.index(name)]
 
-    def line(self, delta: Steps, feed_mm_min: float | None, watch: Watch | None = None) -> Job:
+    def line_blocks(
+        self, delta: Steps, feed_mm_min: float | None, watch: Watch | None = None
+    ) -> Iterator[Block]:
         """A straight line from rest to rest, by signed axis steps; backlash is taken up first."""
         slack = tuple(
             take_up(slack, axis.backlash_steps, n)
             for slack, axis, n in zip(self.slack_steps, self.machine.axes, delta, strict=True)
         )
+        # Where a closed switch is let be, that holds for the taking up too.
+        beside = watch and watch._replace(action=WatchAction.IGNORE)
         for block in (
-            plan_line(self.machine, slack),
+            plan_line(self.machine, slack, watch=beside),
             plan_line(self.machine, delta, feed_mm_min, watch=watch),
         ):
             if block is not None:
                 yield block
+
+    def slack_after(self, delta: Steps) -> Steps:
+        """Backlash between motor and carriage after such a line."""
+        return tuple(
+            slack - take_up(slack, axis.backlash_steps, n)
+            for slack, axis, n in zip(self.slack_steps, self.machine.axes, delta, strict=True)
+        )
+
+    def line(self, delta: Steps, feed_mm_min: float | None, watch: Watch | None = None) -> Job:
+        """The same as a job."""
+        for block in self.line_blocks(delta, feed_mm_min, watch):
+            yield block
 
     def _curve(self, targets: Sequence[Steps], feed_mm_min: float | None) -> Job:
         here = self.position_steps()

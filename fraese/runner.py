@@ -11,9 +11,11 @@ Rule 3: a job ends in exactly one way: done, cancelled, stopped by a switch, or 
 """
 
 from collections import deque
-from typing import NamedTuple
+from collections.abc import Sequence
+from enum import Enum, auto
+from typing import NamedTuple, Protocol
 
-from fraese.blocks import Block
+from fraese.blocks import Block, remainder
 from fraese.errors import FraeseError
 from fraese.jobs import Ask, Job, Standstill
 from fraese.machine import Steps
@@ -23,11 +25,29 @@ from fraese.planner.lines import mm_per_tick, planned_s
 from fraese.state import Status
 
 
+class Detour(Protocol):
+    """A way aside while a job is held, and back again to the very step."""
+
+    def away(self) -> Sequence[Block]:
+        """From where the hold came to rest; nothing: stay there."""
+
+    def back(self) -> Sequence[Block]:
+        """From there, with the backlash as it was."""
+
+
+class _Aside(Enum):
+    """Where a held job is."""
+
+    ON_PATH = auto()
+    AWAY = auto()
+    COMING_BACK = auto()
+
+
 class _Ahead(NamedTuple):
     """What is remembered of a block in the queue."""
 
     serial: int
-    steps: tuple[int, ...]
+    block: Block
     ticks: int
     duration_s: float
     mm_per_tick: float
@@ -63,6 +83,9 @@ class Runner:
         self.question = ""
         self._job: Job | None = None
         self._begun = False
+        self._detour: Detour | None = None
+        self._aside = _Aside.ON_PATH
+        self._kept: list[Block] = []
         self._pending: Block | None = None
         self._wait: Standstill | Ask | None = None
         self._report_is_fresh = True
@@ -104,8 +127,16 @@ class Runner:
 
     # --- from the run loop's thread ------------------------------------------------------------
 
-    def start(self, job: Job) -> None:
-        """Take up a job; it begins at the next ``activate``. What an old brake left is undone."""
+    def start(self, job: Job, detour: Detour | None = None) -> None:
+        """Take up a job; it begins at the next ``activate``. What an old brake left is undone.
+
+        Args:
+            job: what to do.
+            detour: where to go while it is held; None: stay.
+        """
+        self._detour = detour
+        self._aside = _Aside.ON_PATH
+        self._kept = []
         self._driver.flush()
         self._job = job
         self._begun = False
@@ -122,7 +153,9 @@ class Runner:
 
     def activate(self) -> Status:
         """One round: feed the queue, play a slice, see how it stands (ActivateMotoren)."""
-        if self._resume:
+        if self._held and self._detour is not None:
+            self._step_aside(self._detour)
+        elif self._resume:
             self._resume = self._held = False
             self._driver.resume()
         try:
@@ -150,7 +183,7 @@ class Runner:
 
     def _forget_played(self) -> None:
         while self._ahead and self._ahead[0].serial < self.report.playing:
-            self._tell(self._ahead.popleft().steps)
+            self._tell(self._ahead.popleft().block.steps)
         if not self.report.queued:
             # The last one was played, or dropped half-way; what a driver drops it does not count.
             self._tell(self._untold())
@@ -184,6 +217,39 @@ class Runner:
             self._pending = self._wait = None
             self._advance()
 
+    def _step_aside(self, detour: Detour) -> None:
+        """Away from the path once the hold stands, and back when it is to go on."""
+        report = self.report
+        if self._aside is _Aside.ON_PATH and report.held:
+            self._kept = self._unplayed()
+            self._driver.flush()
+            self.look()
+            self._push_all(detour.away())
+            self._aside = _Aside.AWAY
+        elif self._aside is _Aside.AWAY and self._resume and not report.queued:
+            self._push_all(detour.back())
+            self._aside = _Aside.COMING_BACK
+        elif self._aside is _Aside.COMING_BACK and not report.queued:
+            # Behind a closed throttle: what was planned at speed starts from the start/stop rate.
+            self._driver.brake()
+            self.look()
+            self._push_all(self._kept)
+            self._aside = _Aside.ON_PATH
+            self._resume = self._held = False
+            self._driver.resume()
+
+    def _unplayed(self) -> list[Block]:
+        """What is queued, the block in hand without what was played of it."""
+        blocks = [ahead.block for ahead in self._ahead]
+        if blocks and self._ahead[0].serial == self.report.playing and self.report.tick:
+            blocks[0] = remainder(blocks[0], self.report.tick)
+        return blocks
+
+    def _push_all(self, blocks: Sequence[Block]) -> None:
+        for block in blocks:
+            self._driver.push(block)
+            self._remember(block)
+
     def _remember(self, block: Block) -> float:
         self._serial += 1
         self.blocks += 1
@@ -192,7 +258,7 @@ class Runner:
         self._ahead.append(
             _Ahead(
                 self._serial,
-                block.steps,
+                block,
                 max(1, block.ticks()),
                 duration_s,
                 mm_per_tick(block.weight),
