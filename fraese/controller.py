@@ -52,6 +52,12 @@ def _nothing() -> None:
     """No callback registered."""
 
 
+def _made(block: Block | None) -> Iterator[Block]:
+    """A block, if there is one to make."""
+    if block is not None:
+        yield block
+
+
 def _unheard(message: str) -> None:
     """Nobody to tell."""
 
@@ -648,19 +654,21 @@ class Controller:
     def line_blocks(
         self, delta: Steps, feed_mm_min: float | None, watch: Watch | None = None
     ) -> Iterator[Block]:
-        """A straight line from rest to rest, by signed axis steps; backlash is taken up first."""
+        """A straight line from rest to rest, by signed axis steps; backlash is taken up first.
+
+        A watched line moves one axis only.
+        """
         slack = tuple(
             take_up(slack, axis.backlash_steps, n)
             for slack, axis, n in zip(self.slack_steps, self.machine.axes, delta, strict=True)
         )
-        # Where a closed switch is let be, that holds for the taking up too.
-        beside = watch and watch._replace(action=WatchAction.IGNORE)
-        for block in (
-            plan_line(self.machine, slack, watch=beside),
-            plan_line(self.machine, delta, feed_mm_min, watch=watch),
-        ):
-            if block is not None:
-                yield block
+        if watch is not None:
+            # One block: its watch must see the contact wherever it comes.
+            whole = tuple(n + extra for n, extra in zip(delta, slack, strict=True))
+            yield from _made(plan_line(self.machine, whole, feed_mm_min, watch=watch))
+            return
+        yield from _made(plan_line(self.machine, slack))
+        yield from _made(plan_line(self.machine, delta, feed_mm_min))
 
     def slack_after(self, delta: Steps) -> Steps:
         """Backlash between motor and carriage after such a line."""
