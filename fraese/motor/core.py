@@ -22,7 +22,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Final
 
-from fraese.blocks import CYCLES_PER_S, RATE_Q8_CYCLES, Block, WatchAction
+from fraese.blocks import CYCLES_PER_S, Q8, RATE_Q8_CYCLES, Block, Outputs, WatchAction
 from fraese.errors import StateError
 from fraese.motor.cursor import Cursor
 from fraese.motor.seams import (
@@ -41,8 +41,6 @@ from fraese.motor.throttle import SLICE_CYCLES, Throttle, ThrottleState
 _NS_PER_S: Final = 1_000_000_000
 #: The motor argument of a reading that belongs to no tick.
 _BETWEEN_TICKS: Final = -2
-#: A dwell may be interrupted at any time: its "start/stop rate" is above every rate.
-_ANY_RATE_Q8: Final = 1 << 33
 #: Squared rate, in (tick/s)**2 / 65536, that one tick of braking sheds per unit of ``accel_q``.
 _SHED_PER_TICK: Final = 2 * CYCLES_PER_S // 256
 
@@ -50,6 +48,22 @@ _SHED_PER_TICK: Final = 2 * CYCLES_PER_S // 256
 def _shed(block: Block, ticks: int) -> int:
     """Path energy that braking can shed within so many ticks of a block."""
     return block.weight * (block.accel_q * _SHED_PER_TICK >> 16) * ticks
+
+
+def _require_sound(block: Block, motors: int) -> None:
+    """Refuse what would make more or fewer steps than it says, or in no time at all.
+
+    Raises:
+        ValueError: with what is wrong.
+    """
+    if len(block.steps) != motors:
+        raise ValueError(f"a block for {len(block.steps)} motors on a card for {motors}")
+    longest = max(abs(n) for n in block.steps)
+    if longest and block.ticks() != longest:
+        raise ValueError(f"a block of {longest} steps with a time law of {block.ticks()} ticks")
+    shortest_q8 = Q8 if longest else 0
+    if any(min(p.interval_q8, p.last_interval_q8()) < shortest_q8 for p in block.pieces if p.ticks):
+        raise ValueError("a time law with an interval of nothing")
 
 
 class MotorCore:
@@ -90,9 +104,11 @@ class MotorCore:
         self._outputs = 0
 
         self._queue: deque[Block] = deque()
+        self._queued_shed = 0
         self._capacity = capacity
         self._resting_blocks = 0
         self._cursor: Cursor | None = None
+        self._previous: Cursor | None = None
         self._serial = 0
         self._tag = 0
         self._base_steps = (0,) * card.motors
@@ -106,7 +122,8 @@ class MotorCore:
         self._fall_at_cycles = 0
         self._fell_cycles = 0
         self._not_before_cycles = 0
-        self._first_entries: Entries = ()
+        self._exit_cycles = 0
+        self._first_outputs: Outputs | None = None
 
         self._throttle = Throttle()
         self._calm = True
@@ -129,14 +146,19 @@ class MotorCore:
     # --- commands ------------------------------------------------------------------------------
 
     def push(self, block: Block) -> bool:
-        """Take a final block; False: the queue is full and nothing was taken."""
+        """Take a final block; False: the queue is full and nothing was taken.
+
+        Raises:
+            ValueError: if the block cannot be played as it says; nothing was taken.
+        """
+        _require_sound(block, self._card.motors)
         if len(self._queue) >= self._capacity:
             return False
         self._queue.append(block)
+        self._queued_shed += _shed(block, block.ticks())
         self._resting_blocks += block.ends_at_rest
         if self._dry:
-            self._dry = False
-            self._throttle.open()
+            self._open_throttle()
         return True
 
     def brake(self) -> None:
@@ -150,9 +172,10 @@ class MotorCore:
         self._calm = False
 
     def resume(self) -> None:
-        """Open the throttle again."""
+        """Open the throttle again; not while braking for a watch that ends the run."""
         self._brake_wanted = False
-        self._throttle.open()
+        if not self._drop_when_still:
+            self._open_throttle()
 
     def flush(self) -> None:
         """Drop the queue at standstill, and open the throttle for what comes next.
@@ -176,9 +199,10 @@ class MotorCore:
         self._energised = False
 
     def set_outputs(self, mask: int, value: int) -> None:
-        """Change free outputs now."""
-        self._outputs = self._outputs & ~mask | value & mask
-        self._write(self._card.set_outputs(mask, value))
+        """Change free outputs now; those that must be safe at standstill, at the next start."""
+        now = mask & ~self._safe_outputs if self._standing else mask
+        self._keep_outputs(mask, value)
+        self._write(self._card.set_outputs(now, value))
 
     def set_switch_mode(self, mode: SwitchMode) -> None:
         """Choose what an end switch does to blocks that do not watch it."""
@@ -199,7 +223,7 @@ class MotorCore:
     def poll(self, budget_s: float) -> Report:
         """Play for at most that long, in the core's clock, and say where things stand."""
         if self._brake_wanted and self._standing:
-            self._brake_wanted = False
+            self._brake_wanted = self._dry = False
             self._throttle.hold()
         if self._stop_wanted:
             self._finish(self._stop_reason)
@@ -241,26 +265,34 @@ class MotorCore:
         self._torn = frozenset()
 
     def _next_block(self) -> Cursor | None:
-        if not self._queue or self._drop_when_still:
+        if not self._queue:
             self._finish(Ended.WATCH if self._drop_when_still else Ended.TARGET)
             return None
         block = self._queue.popleft()
         cursor = self._cursor = Cursor(block)
         self._serial += 1
+        self._queued_shed -= _shed(block, cursor.ticks)
         self._tag = block.tag
-        self._throttle.junction(self._last_cycles, block.pieces[0].interval_q8 >> 8)
-        self._throttle.block(
-            block.accel_q, block.jump_rate_q8 if cursor.leader_bit else _ANY_RATE_Q8
-        )
+        if cursor.leader_bit:
+            self._throttle.junction(self._exit_cycles, block.pieces[0].interval_q8 >> 8)
+            self._throttle.block(block.accel_q, block.jump_rate_q8)
+            self._open_from_rest(block)
+        else:
+            self._throttle.dwell()
         self._inputs.begin(block)
         self._act_on_switch()
-        if block.outputs:
-            mask, value = block.outputs
-            self._outputs = self._outputs & ~mask | value & mask
-            self._first_entries = self._card.set_outputs(mask, value)
+        self._first_outputs = block.outputs
         if not self._resting_blocks:
             self._calm = False
         return cursor
+
+    def _open_from_rest(self, block: Block) -> None:
+        """A plan that begins at speed, but what came before it was late or dropped."""
+        entry_cycles = block.pieces[0].interval_q8 >> 8
+        opened = self._throttle.state is ThrottleState.OPEN
+        if opened and not self._exit_cycles and _is_above(block.jump_rate_q8, entry_cycles):
+            self._throttle.hold()
+            self._open_throttle()
 
     def _set_up(self, cursor: Cursor) -> None:
         """Direction lines of the block, before its first tick."""
@@ -282,8 +314,7 @@ class MotorCore:
                     return True
                 if not cursor.done:
                     self._set_up(cursor)
-                rising = self._throttle.state is not ThrottleState.OPEN
-                self._write(self._card.signals(True, rising or bool(cursor.add_q8)))
+                self._show_ramp(cursor)
             self._play_piece(cursor, end_ns)
             if self._stop_wanted:
                 self._finish(self._stop_reason)
@@ -294,6 +325,11 @@ class MotorCore:
             if cursor.piece_left:
                 return False
 
+    def _show_ramp(self, cursor: Cursor) -> None:
+        """Tell the drives whether the rate changes, by the plan or by the throttle."""
+        throttled = self._throttle.state is not ThrottleState.OPEN
+        self._write(self._card.signals(True, throttled or bool(cursor.add_q8)))
+
     def _play_piece(self, cursor: Cursor, end_ns: int) -> None:
         """The inner loop: ticks of one piece. Leaves early when time is up or the rate is nil."""
         access, tick, wait_until = self._access, self._card.tick, self._clock.wait_until
@@ -302,80 +338,102 @@ class MotorCore:
         interval_q8, add_q8 = cursor.interval_q8, cursor.add_q8
         done, left = cursor.done, cursor.piece_left
         due, base_ns = self._due_cycles, self._base_ns
-        not_before, first_entries = self._not_before_cycles, self._first_entries
-        while left:
-            if has_fall and self._fall_at_cycles:
-                if not self._fall(end_ns):
+        not_before, first_outputs = self._not_before_cycles, self._first_outputs
+        try:
+            while left:
+                if has_fall and self._fall_at_cycles:
+                    if not self._fall(end_ns):
+                        break
+                    base_ns = self._base_ns
+                if self._calm:
+                    cycles = interval_q8 >> 8
+                else:
+                    cycles = self._governed(cursor, interval_q8 >> 8)
+                    if cycles < 0:
+                        break
+                next_due = due + cycles
+                if next_due < not_before:
+                    next_due = not_before
+                deadline_ns = base_ns + (next_due * 125 >> 1)
+                if deadline_ns > end_ns:
+                    if not self._calm:
+                        self._coming_cycles = cycles
+                    wait_until(end_ns)
                     break
-                base_ns = self._base_ns
-            if self._calm:
-                cycles = interval_q8 >> 8
-            else:
-                cycles = self._governed(cursor, interval_q8 >> 8)
-                if cycles < 0:
-                    break
-            next_due = due + cycles
-            if next_due < not_before:
-                next_due = not_before
-            deadline_ns = base_ns + (next_due * 125 >> 1)
-            if deadline_ns > end_ns:
-                if not self._calm:
-                    self._coming_cycles = cycles
-                wait_until(end_ns)
-                break
-            now_ns = wait_until(deadline_ns)
-            if now_ns > deadline_ns:
-                self._base_ns = base_ns = base_ns + self._late(now_ns - deadline_ns, next_due - due)
-            self._last_cycles = next_due - due
-            due = next_due
-            moving = leader_bit
-            for minor in minors:
-                accumulator = minor[0] + minor[1]
-                if accumulator >= ticks:
-                    accumulator -= ticks
-                    moving |= minor[2]
-                minor[0] = accumulator
-            entries = tick(moving)
-            if first_entries:
-                entries = first_entries + entries
-                first_entries = ()
-            for register, value in entries:
-                access[register](value)
-            done += 1
-            cursor.done = done
-            left -= 1
-            interval_q8 += add_q8
-            if has_fall:
-                # Half the interval of the plan: a wait for directions does not lengthen a pulse.
-                self._fall_at_cycles = due + max(pulse_cycles, cycles >> 1)
-                not_before = self._fall_at_cycles + pulse_cycles
-        cursor.interval_q8, cursor.piece_left = interval_q8, left
-        self._due_cycles, self._base_ns = due, base_ns
-        self._not_before_cycles, self._first_entries = not_before, first_entries
+                now_ns = wait_until(deadline_ns)
+                if now_ns > deadline_ns:
+                    base_ns += self._late(now_ns - deadline_ns, next_due - due)
+                    self._base_ns = base_ns
+                self._last_cycles = next_due - due
+                due = next_due
+                moving = leader_bit
+                for minor in minors:
+                    accumulator = minor[0] + minor[1]
+                    if accumulator >= ticks:
+                        accumulator -= ticks
+                        moving |= minor[2]
+                    minor[0] = accumulator
+                if first_outputs:
+                    self._change_outputs(first_outputs)
+                    first_outputs = None
+                for register, value in tick(moving):
+                    access[register](value)
+                done += 1
+                cursor.done = done
+                left -= 1
+                interval_q8 += add_q8
+                if has_fall:
+                    # Half the plan's interval: a wait for directions does not lengthen a pulse.
+                    self._fall_at_cycles = due + max(pulse_cycles, cycles >> 1)
+                    not_before = self._fall_at_cycles + pulse_cycles
+        finally:
+            # Also on the way out of an interrupt: what was played must not be played again.
+            cursor.interval_q8, cursor.piece_left = interval_q8, left
+            self._due_cycles, self._base_ns = due, base_ns
+            self._not_before_cycles, self._first_outputs = not_before, first_outputs
 
     def _governed(self, cursor: Cursor, plan_cycles: int) -> int:
         """The interval when not all is calm; negative: no tick now."""
         if self._stop_wanted:
             return -1
+        throttle = self._throttle
+        state = throttle.state
         if self._brake_wanted:
-            self._brake_wanted = False
-            self._dry = False
-            self._throttle.close(self._last_cycles)
+            self._brake_wanted = self._dry = False
+            self._close_throttle()
         elif self._running_dry(cursor):
             self._dry = True
             self._dry_queues += 1
-            self._throttle.close(self._last_cycles)
+            self._close_throttle()
         if self._coming_cycles:
             cycles, self._coming_cycles = self._coming_cycles, 0
             return cycles
-        throttle = self._throttle
         cycles = plan_cycles
         if throttle.state is not ThrottleState.OPEN:
             cycles = throttle.interval(plan_cycles, self._last_cycles)
-        self._calm = throttle.state is ThrottleState.OPEN and self._resting_blocks > 0
+        if throttle.state is not state and cycles >= 0:
+            self._show_ramp(cursor)
+        self._be_calm(throttle.state is ThrottleState.OPEN and self._resting_blocks > 0)
+        return cycles
+
+    def _be_calm(self, calm: bool) -> None:
+        """Whether ticks may be played without a look at the throttle.
+
+        The flags are read after the change: a brake from another thread may come in between.
+        """
+        self._calm = calm
         if self._stop_wanted or self._brake_wanted:
             self._calm = False
-        return cycles
+
+    def _close_throttle(self) -> None:
+        self._throttle.close(self._last_cycles)
+        # The interval that was waited for is chosen anew: at a low rate it may be a long one.
+        self._coming_cycles = 0
+
+    def _open_throttle(self) -> None:
+        self._dry = False
+        self._throttle.open()
+        self._calm = False
 
     def _running_dry(self, cursor: Cursor) -> bool:
         """What is queued no longer suffices to stop from the present rate."""
@@ -388,8 +446,7 @@ class MotorCore:
         jump_hz = block.jump_rate_q8 >> 8
         reserve = SLICE_CYCLES // self._last_cycles + 2
         left = max(0, cursor.ticks - cursor.done - reserve)
-        ahead = sum(_shed(later, later.ticks()) for later in self._queue)
-        return block.weight * (rate_hz**2 - jump_hz**2) > _shed(block, left) + ahead
+        return block.weight * (rate_hz**2 - jump_hz**2) > _shed(block, left) + self._queued_shed
 
     def _late(self, late_ns: int, cycles: int) -> int:
         """How far to move all that follows: an edge later than a quarter of its interval."""
@@ -419,40 +476,55 @@ class MotorCore:
         """The rate last played is one that the motors cannot stop from without a ramp."""
         if not self._last_cycles or not cursor.leader_bit:
             return False
-        jump_rate_q8 = cursor.block.jump_rate_q8
-        # Intervals are cut to whole cycles: a sixteenth covers that.
-        return RATE_Q8_CYCLES // self._last_cycles > jump_rate_q8 + (jump_rate_q8 >> 4)
+        return _is_above(cursor.block.jump_rate_q8, self._last_cycles)
 
     def _end_block(self, cursor: Cursor) -> None:
+        if self._first_outputs and cursor.done == cursor.ticks:
+            # A block without any tick.
+            self._change_outputs(self._first_outputs)
+        self._first_outputs = None
         moved = cursor.steps_at(cursor.done)
         self._base_steps = tuple(a + b for a, b in zip(self._base_steps, moved, strict=True))
         self._travelled_steps = tuple(
             a + abs(b) for a, b in zip(self._travelled_steps, moved, strict=True)
         )
-        self._inputs.inference.end(self._clock.now_ns())
+        self._inputs.end(self._clock.now_ns())
+        exit_q8 = cursor.interval_q8 - cursor.add_q8
+        self._exit_cycles = exit_q8 >> 8 if cursor.leader_bit else 0
         self._resting_blocks -= cursor.block.ends_at_rest
         self._cursor = None
-        if not self._queue and self._above_jump(cursor):
-            self._torn = self._torn | _motors_of(cursor)
+        # Stopped before its first tick: it is the block before that still moved.
+        moved_last = cursor if cursor.done else self._previous
+        if not self._queue and moved_last and self._above_jump(moved_last):
+            self._torn = self._torn | _motors_of(moved_last)
+        self._previous = moved_last
 
     def _finish(self, ended: Ended) -> None:
         """The run is over: drop what is left, tell the card, say why."""
+        self._drop_queue()
         if self._cursor is not None:
-            self._queue.clear()
             self._end_block(self._cursor)
-        self._rest_lines()
-        self._queue.clear()
         self._resting_blocks = 0
+        if ended is not Ended.TARGET:
+            # What ended before its end must not switch a laser on again at the next start.
+            self._outputs &= ~self._safe_outputs
+        self._rest_lines()
         braked = self._throttle.state in (ThrottleState.CLOSING, ThrottleState.HELD)
         if ended is Ended.TARGET and braked and not self._dry:
             self._throttle.hold()
         else:
             self._throttle.reset()
+        if ended is not Ended.TARGET:
+            self._brake_wanted = False
         self._ended = ended
         self._stop_wanted = self._drop_when_still = self._dry = False
         self._stop_reason = Ended.STOP
-        self._calm = not self._brake_wanted
-        self._first_entries = ()
+        self._be_calm(True)
+
+    def _drop_queue(self) -> None:
+        self._serial += len(self._queue)
+        self._queue.clear()
+        self._queued_shed = 0
 
     def _stand_held(self) -> None:
         """The throttle has closed: motors stand, the queue waits."""
@@ -468,7 +540,16 @@ class MotorCore:
         self._write(self._card.signals(False, False))
         self._write(self._card.set_outputs(self._safe_outputs, 0))
         self._standing = True
-        self._last_cycles = self._due_cycles = self._coming_cycles = self._fell_cycles = 0
+        self._last_cycles = self._due_cycles = self._coming_cycles = 0
+        self._fell_cycles = self._exit_cycles = 0
+        self._previous = None
+
+    def _keep_outputs(self, mask: int, value: int) -> None:
+        self._outputs = self._outputs & ~mask | value & mask
+
+    def _change_outputs(self, outputs: Outputs) -> None:
+        self._keep_outputs(*outputs)
+        self._write(self._card.set_outputs(*outputs))
 
     def _require_standstill(self, what: str) -> None:
         if not self._standing:
@@ -505,6 +586,8 @@ class MotorCore:
 
     def _act_on_switch(self) -> None:
         """A contact stops the block in hand, in stop mode and unless the block watches for it."""
+        if self._drop_when_still:
+            return  # a watch has seen it already, and the motors are on their way to rest
         if self._mode is SwitchMode.STOP and self._cursor and self._inputs.switch_acts:
             self._stop_reason = Ended.SWITCH
             self.stop()
@@ -522,10 +605,15 @@ class MotorCore:
         )
         return tuple(a + b for a, b in zip(self._base_steps, moved, strict=True))
 
+    def _next_due_ns(self, cursor: Cursor) -> int:
+        cycles = self._coming_cycles or cursor.interval_q8 >> 8
+        next_cycles = max(self._due_cycles + cycles, self._not_before_cycles)
+        return self._base_ns + (next_cycles * 125 >> 1)
+
     def _report(self) -> Report:
         cursor, inputs = self._cursor, self._inputs
         moved = cursor.steps_at(cursor.done) if cursor else (0,) * self._card.motors
-        last_cycles = self._last_cycles
+        moving_cycles = self._last_cycles if cursor and cursor.leader_bit else 0
         return Report(
             position_steps=tuple(a + b for a, b in zip(self._base_steps, moved, strict=True)),
             travelled_steps=tuple(
@@ -536,8 +624,8 @@ class MotorCore:
             tick=cursor.done if cursor else 0,
             free=self._capacity - len(self._queue),
             queued=len(self._queue) + (cursor is not None),
-            due_ns=self._base_ns + (self._due_cycles * 125 >> 1) if last_cycles else 0,
-            rate_hz=CYCLES_PER_S / last_cycles if last_cycles and cursor else 0.0,
+            due_ns=self._next_due_ns(cursor) if cursor and not self._standing else 0,
+            rate_hz=CYCLES_PER_S / moving_cycles if moving_cycles else 0.0,
             running=self._may_play(),
             held=self._throttle.state is ThrottleState.HELD,
             energised=self._energised,
@@ -556,6 +644,14 @@ class MotorCore:
         access = self._access
         for register, value in entries:
             access[register](value)
+
+
+def _is_above(jump_rate_q8: int, cycles: int) -> bool:
+    """An interval is shorter than that of a start/stop rate, or nothing.
+
+    Intervals are cut to whole cycles: a sixteenth covers that.
+    """
+    return not cycles or RATE_Q8_CYCLES // cycles > jump_rate_q8 + (jump_rate_q8 >> 4)
 
 
 def _motors_of(cursor: Cursor) -> frozenset[int]:

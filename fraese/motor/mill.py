@@ -182,7 +182,9 @@ class Rotor:
                 self._stalled = False
         else:
             may_gain = self._jump_hz * took_s + limits.acceleration_hz_s * took_s**2 / 2
-            jerk = abs(net - self._rate_hz * took_s)
+            before = self._rate_hz * took_s
+            # A reversal passes through rest: it must be able to stop, and then to start.
+            jerk = abs(net - before) if net * before >= 0 else max(abs(net), abs(before))
             self._lag = max(0.0, self._lag + abs(net) - limits.max_rate_hz * took_s)
             if jerk > may_gain + _UNEVEN_STEPS or self._lag > _MAX_LAG_STEPS:
                 self._stalled = self._loose = True

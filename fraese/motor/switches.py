@@ -13,7 +13,7 @@ Rule 4: contact lags the motor by some ticks. So with several axes the candidate
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-from fraese.blocks import Block
+from fraese.blocks import Block, WatchAction
 from fraese.motor.seams import End
 
 #: A contact may come this long after the motor that made it has stopped.
@@ -123,6 +123,7 @@ class InputWatcher:
         self._switch = Debounced(*switch)
         self._watched: Debounced | None = None
         self._watch_hides_switch = False
+        self._watch_reacts = False
         self.inference = Inference(motors)
         self.status = 0
         self.quiet_status = self.NO_STATUS
@@ -136,7 +137,7 @@ class InputWatcher:
 
     @property
     def switch_acts(self) -> bool:
-        """There is contact, and no unfulfilled watch of this block asks for that input itself."""
+        """There is contact, and no watch of this block takes care of that input itself."""
         return self._switch.is_true and not self._watch_hides_switch
 
     def begin(self, block: Block) -> None:
@@ -144,10 +145,17 @@ class InputWatcher:
         self.inference.begin(tuple((n > 0) - (n < 0) for n in block.steps))
         watch = block.watch
         self._watch_hides_switch = bool(watch and watch.mask & self._input.mask)
+        self._watch_reacts = bool(watch and watch.action is not WatchAction.IGNORE)
         self._watched = Debounced(watch.mask, watch.value, self._input.readings) if watch else None
         if watch:
             self.latched_steps = None
             self.quiet_status = self.NO_STATUS
+
+    def end(self, now_ns: int) -> None:
+        """The block ended, and its watch with it."""
+        self.inference.end(now_ns)
+        self._watched = None
+        self._watch_hides_switch = False
 
     def take(self, status: int, steps: Callable[[], StepCounts], now_ns: int) -> bool:
         """Take a reading that is not quiet; True when it fulfils the watch of the block."""
@@ -159,7 +167,7 @@ class InputWatcher:
         if watched is not None and fulfilled:
             self.latched_steps = watched.latched_steps
             self._watched = None
-            self._watch_hides_switch = False
+            self._watch_hides_switch &= self._watch_reacts
         settled = not switch.pending and self._watched is None
         self.quiet_status = status if settled else self.NO_STATUS
         return fulfilled

@@ -15,16 +15,25 @@ Rule 2: the rate changes in slices: after at least ``SLICE_CYCLES`` of played ti
         millisecond for the division.
 Rule 3: below or at the block's start/stop rate a closing throttle holds: the next tick is not
         played. An opening one starts at that rate.
-Rule 4: at a junction the throttle's rate is scaled by next.entry / this.exit, so that the path
-        speed stays what it was.
+Rule 4: at a junction the throttle's rate is scaled by next.entry / this.exit, both as planned,
+        so that the path speed stays what it was.
+Rule 5: a dwell has no rate: motors stand in it. An opening throttle is open there.
 """
 
 from enum import Enum, auto
+from math import isqrt
 from typing import Final
 
 from fraese.blocks import RATE_Q8_CYCLES
 
 SLICE_CYCLES: Final = 16_000
+
+#: ``isqrt(accel_q * this)`` is the rate_q8 that is reached from rest within half a tick: 2**8 times
+#: the square root of the acceleration in ticks/s**2.
+_FROM_REST: Final = 62_500
+
+#: Above every rate.
+_ANY_RATE_Q8: Final = 1 << 33
 
 
 class ThrottleState(Enum):
@@ -44,15 +53,30 @@ class Throttle:
         self._rate_q8 = 0
         self._slice_cycles = 0
         self._accel_q = 1
-        self._jump_rate_q8 = 0
+        self._jump_rate_q8 = 1
 
     def block(self, accel_q: int, jump_rate_q8: int) -> None:
-        """Take the limits of the block that plays now."""
+        """Take the limits of the moving block that plays now.
+
+        A start/stop rate of next to nothing would mean minutes for the first or the last tick; a
+        quarter of the rate that is reached within half a tick is as good as standing.
+        """
         self._accel_q = accel_q
-        self._jump_rate_q8 = jump_rate_q8
+        self._jump_rate_q8 = max(1, jump_rate_q8, isqrt(accel_q * _FROM_REST) >> 2)
+
+    def dwell(self) -> None:
+        """No motor moves in the block that plays now: it can be held and taken up at any rate."""
+        self._jump_rate_q8 = _ANY_RATE_Q8
+        if self.state is ThrottleState.OPENING:
+            self.state = ThrottleState.OPEN
 
     def junction(self, exit_cycles: int, entry_cycles: int) -> None:
-        """Scale the rate from the last interval of one block to the first of the next."""
+        """Scale the rate from the planned exit of one block to the planned entry of the next.
+
+        Args:
+            exit_cycles: the last interval in the plan of the one; 0: from standstill.
+            entry_cycles: the first interval in the plan of the other.
+        """
         if exit_cycles and entry_cycles:
             self._rate_q8 = self._rate_q8 * exit_cycles // entry_cycles
 
@@ -68,7 +92,6 @@ class Throttle:
         """Start opening, from the start/stop rate after a hold, else from where closing came to."""
         if self.state in (ThrottleState.OPEN, ThrottleState.OPENING):
             return
-        self._rate_q8 = max(1, self._rate_q8, self._jump_rate_q8)
         self._slice_cycles = 0
         self.state = ThrottleState.OPENING
 
@@ -92,9 +115,10 @@ class Throttle:
         if self._slice_cycles >= SLICE_CYCLES:
             self._move()
         if self.state is ThrottleState.CLOSING and self._rate_q8 <= self._jump_rate_q8:
-            self.state = ThrottleState.HELD
+            self.hold()
         if self.state is ThrottleState.HELD:
             return -1
+        self._rate_q8 = max(self._rate_q8, self._jump_rate_q8)
         cycles = RATE_Q8_CYCLES // self._rate_q8
         if cycles > plan_cycles:
             return cycles
