@@ -50,6 +50,18 @@ def half_steps_per_s(steps: tuple[int, ...]) -> float:
     return best
 
 
+def stream_half_steps_per_s() -> float:
+    """A full queue of short blocks none of which ends at rest: the throttle watches every tick."""
+    short = _line((50, 25, 0), (Piece(50, 3200 * 256),))._replace(ends_at_rest=False)
+    core = _core()
+    pushed, start = 0, time.perf_counter()
+    while pushed < STEPS // 50:
+        while core.push(short):
+            pushed += 1
+        core.poll(0.05)
+    return sum(core.poll(0).travelled_steps) / (time.perf_counter() - start)
+
+
 def main() -> None:
     """Print one line for each number of axes."""
     for name, steps in (
@@ -59,6 +71,7 @@ def main() -> None:
         ("three, 3:2:1", (STEPS, STEPS * 2 // 3, STEPS // 3)),
     ):
         print(f"{name:14}{half_steps_per_s(steps):10,.0f} half-steps/s")
+    print(f"{'stream, 2:1':14}{stream_half_steps_per_s():10,.0f} half-steps/s")
 
 
 if __name__ == "__main__":

@@ -173,8 +173,8 @@ class MotorCore:
 
     def resume(self) -> None:
         """Open the throttle again; not while braking for a watch that ends the run."""
-        self._brake_wanted = False
         if not self._drop_when_still:
+            self._brake_wanted = False
             self._open_throttle()
 
     def flush(self) -> None:

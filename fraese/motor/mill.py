@@ -7,13 +7,16 @@ Rule 2: a rotor follows while its rate stays under its maximum, and while from o
         acceleration allows. Judged over eight half-steps, so that the uneven beat of a minor axis
         is not taken for a jerk; inertia smooths that in a real one too.
 Rule 3: beyond that it stalls: it stays where it is until the field is slow enough to catch it
-        again, a whole number of electrical turns away.
-Rule 4: a rotor whose field stops dead above the start/stop rate overshoots by one turn.
+        again, a whole number of electrical turns away. So does a rotor that a hand or a missing
+        current kept from following, if the field is fast by the time that it is free.
+Rule 4: a rotor whose field stops dead above the start/stop rate overshoots by one turn. How fast
+        it was at the end is judged from the last steps, in its favour: as if it had braked.
 Rule 5: a carriage sits on its rotor. At the mechanical end it cannot go on; the rotor slips.
 Rule 6: a switch closes at its end of travel, some time after the carriage got there, and bounces
         for some readings.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -142,7 +145,8 @@ class Rotor:
         self.relock()
 
     def release(self) -> None:
-        """The current is gone."""
+        """The current is gone, whether the rotor stood or not."""
+        self._come_to_rest(self._seen_ns)
         self.powered = False
         self._loose = True
         if self.limits.snaps_to_pole and not self.blocked:
@@ -154,12 +158,16 @@ class Rotor:
         self._net = self._rate_hz = self._lag = 0.0
 
     def _rate_before_rest_hz(self) -> float:
-        """Signed rate of the last steps, leaving out what may be unevenness."""
+        """Signed rate at the last step, leaving out unevenness and what braking may have shed."""
         took_ns = self._seen_ns - self._mark_ns
         if self._count < TURN_STEPS // 2 or took_ns <= 0:
-            return self._rate_hz
-        sure = max(0.0, abs(self._net) - _UNEVEN_STEPS) * _NS_PER_S / took_ns
-        return sure if self._net > 0 else -sure
+            mean_hz, steps_since = self._rate_hz, TURN_STEPS / 2 + self._count
+        else:
+            sure = max(0.0, abs(self._net) - _UNEVEN_STEPS)
+            mean_hz = math.copysign(sure, self._net) * _NS_PER_S / took_ns
+            steps_since = self._count / 2
+        squared = mean_hz**2 - 2 * self.limits.acceleration_hz_s * steps_since
+        return math.copysign(math.sqrt(max(0.0, squared)), mean_hz)
 
     def _come_to_rest(self, now_ns: int) -> None:
         """No step for a while: how did it stop? What comes next starts from rest."""
@@ -186,7 +194,8 @@ class Rotor:
             # A reversal passes through rest: it must be able to stop, and then to start.
             jerk = abs(net - before) if net * before >= 0 else max(abs(net), abs(before))
             self._lag = max(0.0, self._lag + abs(net) - limits.max_rate_hz * took_s)
-            if jerk > may_gain + _UNEVEN_STEPS or self._lag > _MAX_LAG_STEPS:
+            too_fast_to_catch = self._loose and abs(net) > _FUZZ * self._jump_hz * took_s
+            if jerk > may_gain + _UNEVEN_STEPS or self._lag > _MAX_LAG_STEPS or too_fast_to_catch:
                 self._stalled = self._loose = True
         self._rate_hz = net / took_s if took_s else 0.0
         self._mark_ns = now_ns
@@ -244,8 +253,8 @@ class Contacts:
             self._bouncing = self._bounce_readings
         reading = self.closed
         if self._bouncing:
-            # New value first, then old, and so on; the last one that bounces is old.
-            reading ^= self._bouncing % 2 != self._bounce_readings % 2
+            # New and old in turn; the last one that bounces is old.
+            reading ^= self._bouncing % 2 == 1
             self._bouncing -= 1
         settled = all(now_ns - since >= self._lag_ns for since in self._pressed.values())
         self.still = settled and not self._bouncing and now_ns >= self._leaving_until_ns

@@ -145,7 +145,8 @@ class Report:
     Attributes:
         position_steps: signed count of every motor.
         travelled_steps: the same, both directions added.
-        playing: how many blocks have been finished or dropped; the serial of the present one.
+        playing: serial number, from 1, of the block now playing, or of the last one that was
+            finished or dropped: the n-th block that was pushed is number n.
         tag: the tag of the block now playing, or of the last one.
         tick: ticks done in the present block.
         free: how many more blocks can be pushed.

@@ -65,7 +65,7 @@ class SmcElectronics:
 
     def control(self, value: int) -> None:
         """The strobe's setting edge latches."""
-        if value & _STROBE and not self._control & _STROBE and self._supplied:
+        if value & _STROBE and not self._control & _STROBE:
             self._latch(self._data)
         self._control = value
 
@@ -82,7 +82,7 @@ class SmcElectronics:
             return
         delta = angle - self.angles[motor]
         self.angles[motor] = angle
-        if not rotor.powered:
+        if not rotor.powered and self._supplied:
             rotor.energise()
         if delta:
             if delta > 4:
@@ -93,18 +93,18 @@ class SmcElectronics:
 
     def currents(self, motor: int) -> Currents:
         """From the byte last latched."""
-        return currents_of(self._latched[motor], self._levels)
+        return currents_of(self._latched[motor] if self._supplied else MOTZERO, self._levels)
 
     def cut_power(self) -> None:
-        """All coils without current; strobes are not heard."""
+        """All coils without current; what is latched meanwhile moves nothing and is lost."""
         self._supplied = False
-        for motor, rotor in enumerate(self._mill.rotors):
-            self._latched[motor] = MOTZERO
+        for rotor in self._mill.rotors:
             rotor.release()
 
     def restore_power(self) -> None:
-        """Strobes are heard again."""
+        """Currents flow again from the next byte on."""
         self._supplied = True
+        self._latched = [MOTZERO] * len(self._mill.rotors)
 
 
 class StepDirElectronics:
@@ -119,15 +119,14 @@ class StepDirElectronics:
         self._mill = mill
         self._now_ns = clock.now_ns
         self.angles = [0.0] * len(mill.rotors)
-        self._data = 0
+        # Pulled up before anybody writes: the first byte is no rising edge.
+        self._data = 0xFF
         self.restore_power()
 
     def data(self, value: int) -> None:
         """A rising clock steps its motor."""
         rising = value & ~self._data
         self._data = value
-        if not self._supplied:
-            return
         for motor in range(len(self._mill.rotors)):
             if rising >> 2 * motor & 2:
                 self._mill.turn(motor, 1 if value >> 2 * motor & 1 else -1, self._now_ns())
@@ -141,13 +140,13 @@ class StepDirElectronics:
         return Currents(level, level)
 
     def cut_power(self) -> None:
-        """Drives off."""
+        """Motors without current; the drives count on, and what they count is lost."""
         self._supplied = False
         for rotor in self._mill.rotors:
             rotor.release()
 
     def restore_power(self) -> None:
-        """Drives on; they hold where they are."""
+        """Current again: rotors turn to the nearest angle of their field."""
         self._supplied = True
         for rotor in self._mill.rotors:
             rotor.energise()
@@ -233,8 +232,9 @@ class SimulatedMill:
     def look(self) -> "Sight":
         """What a person sees now, everything at rest judged."""
         now_ns = self._clock.now_ns()
-        for rotor in self.mill.rotors:
+        for motor, rotor in enumerate(self.mill.rotors):
             rotor.settle(now_ns)
+            self.mill.feel(motor, now_ns)
         return Sight(
             carriages_steps=self.mill.carriages_steps(),
             lost_steps=self.mill.lost_steps(),
