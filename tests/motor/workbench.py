@@ -240,6 +240,12 @@ class Workbench:
         self._home = self.mill.carriages_steps()
         return self
 
+    def outputs_on(self) -> set[int]:
+        """Free outputs whose pins are high; both are on inverted pins of the control register."""
+        written = [a.value for a in self.accesses() if a.register == CONTROL]
+        bits = (0b0010, 0b1000) if self.wiring == "smc" else (0b0001, 0b0010)
+        return {number for number, bit in enumerate(bits) if not written[-1] & bit}
+
     # --- the wire --------------------------------------------------------------------------------
 
     def mark(self) -> int:
