@@ -215,10 +215,8 @@ class MotorCore:
         self._closed = True
         try:
             self._finish(Ended.STOP)
-            self._write(self._card.set_outputs(~0, 0))
-            self._write(self._card.idle(IdleLevel.OFF))
         finally:
-            self._port.close()
+            self._switch_off()
 
     def poll(self, budget_s: float) -> Report:
         """Play for at most that long, in the core's clock, and say where things stand."""
@@ -532,6 +530,15 @@ class MotorCore:
             self._finish(Ended.WATCH)
         else:
             self._rest_lines()
+
+    def _switch_off(self) -> None:
+        """The last writes, whatever went wrong before them."""
+        try:
+            self._write(self._card.set_outputs(~0, 0))
+            self._write(self._card.idle(IdleLevel.OFF))
+            self._energised = False
+        finally:
+            self._port.close()
 
     def _rest_lines(self) -> None:
         """Clock lines low, ACTIVE and BOOST low, outputs that must be safe off; no time runs."""

@@ -23,7 +23,7 @@ from fraese.motor.mill import Mill, RotorLimits
 from fraese.motor.phases import LEVEL_MAPS, MOTRUN
 from fraese.motor.ports.recorder import Access, Recorder
 from fraese.motor.ports.sim import Electronics, SimulatedMill, SmcElectronics, StepDirElectronics
-from fraese.motor.seams import CONTROL, DATA, Card, End, Report, SwitchMode
+from fraese.motor.seams import CONTROL, DATA, Card, Clock, End, Report, SwitchMode
 from fraese.motor.switches import SwitchInput
 from fraese.planner.ramps import trapezoid
 
@@ -144,7 +144,7 @@ class Workbench:
     table: bytes = MOTRUN
     outputs: bool = False
     travel_steps: int = TRAVEL_STEPS
-    clock: VirtualClock = field(default_factory=VirtualClock)
+    clock: Clock = field(default_factory=VirtualClock)
 
     def __post_init__(self) -> None:
         self.mill = Mill(
