@@ -185,8 +185,6 @@ class MotorCore:
         """
         self._require_standstill("the queue can only be dropped")
         self._finish(Ended.FLUSH)
-        self._brake_wanted = False
-        self._throttle.reset()
 
     def idle(self, level: IdleLevel) -> None:
         """Set the standstill current.
