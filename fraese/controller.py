@@ -247,6 +247,11 @@ class Controller:
                 f"End switch {self._ends_named()} closed: stopped at {self.where()}."
             )
             self._message = str(self.error)
+        # Cutting ends with the job; what was cancelled or failed also leaves no spindle running.
+        ended = ("laser",) if self._status is Status.OK else ("laser", "spindle", "coolant")
+        mask = self.config.outputs.mask(*ended)
+        if mask:
+            self._driver.set_outputs(mask, 0)
         elapsed_s = (self._clock.now_ns() - self._job_from_ns) / _NS_PER_S
         self._progress = self._job_progress(elapsed_s)
 

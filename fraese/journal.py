@@ -39,7 +39,7 @@ class Kept(BaseModel):
     parameters: dict[int, float]
     referenced: tuple[bool, ...]
     phases: tuple[int, ...]
-    simulation: tuple[tuple[float, float, float], ...] = ()
+    simulation: tuple[tuple[float, float, float, float], ...] = ()
     steps_per_mm: tuple[str, ...] = ()
     moving: bool = False
 
