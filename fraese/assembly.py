@@ -44,9 +44,6 @@ CLOCKS: Final[Mapping[str, Callable[[], Clock]]] = {
 #: How long one poll may take: short where a person watches, long where nobody does.
 _SLICE_S: Final[Mapping[str, float]] = {"virtual": 0.1, "paced": 0.02, "monotonic": 0.02}
 
-#: Free outputs in the order of the bits that the driver knows.
-OUTPUT_NAMES: Final = ("spindle", "coolant", "enable")
-
 
 def phase_table(name: str) -> bytes:
     """A drive table by name, or from its bytes in hex.
@@ -68,17 +65,9 @@ def phase_table(name: str) -> bytes:
     return table
 
 
-def _outputs(config: Config) -> tuple[list[OutputPin], int | None]:
-    """Configured outputs in bit order, and the bit of the enable line."""
-    pins: list[OutputPin] = []
-    enable = None
-    for name in OUTPUT_NAMES:
-        output = getattr(config.outputs, name)
-        if output is not None:
-            if name == "enable":
-                enable = len(pins)
-            pins.append(OutputPin(output.pin, output.active_high))
-    return pins, enable
+def _pins(config: Config) -> list[OutputPin]:
+    """Configured outputs in the order of their bits."""
+    return [OutputPin(output.pin, output.active_high) for _, output in config.outputs.configured()]
 
 
 def _smc_card(config: Config) -> Card:
@@ -86,7 +75,7 @@ def _smc_card(config: Config) -> Card:
         table=phase_table(config.card.table),
         holding_percent=config.card.holding_percent,
         levels=LEVEL_MAPS[config.card.levels],
-        outputs=_outputs(config)[0],
+        outputs=_pins(config),
         motors=len(AXIS_NAMES),
     )
 
@@ -100,13 +89,12 @@ def _stepdir_card(config: Config) -> Card:
                 f"axes.{name}.max_rate_hz: {rate_hz:g} is above the {profile.max_rate_hz} steps/s"
                 f" of card.profile {config.card.profile}."
             )
-    pins, enable = _outputs(config)
     return StepDirCard(
         profile=profile,
         clock_idles_high=config.card.clock_idles_high,
         forward_high=config.card.forward_high,
-        outputs=pins,
-        enable=enable,
+        outputs=_pins(config),
+        enable=config.outputs.bit("enable"),
         motors=len(AXIS_NAMES),
     )
 
@@ -157,6 +145,9 @@ def _simulation(config: Config, machine: Machine, clock: Clock) -> SimulatedMill
         ),
         lag_s=simulation.lag_ms / 1000,
         bounce_readings=simulation.bounce_readings,
+        backlash_steps=[
+            round(axis.to_steps(simulation.backlash_mm) * scale) for axis in machine.axes
+        ],
     )
     mask = INPUT_PINS[config.switches.pin][0]
     wiring = Wiring(mask, mask if config.switches.closed_reads else 0)
@@ -188,6 +179,23 @@ class Plant:
     config: Config
     notes: tuple[str, ...] = ()
 
+    @property
+    def is_simulated(self) -> bool:
+        """There is no metal."""
+        return isinstance(self.port, SimulatedMill)
+
+    @property
+    def machine_name(self) -> str:
+        """What is driven, for the title."""
+        return "simulated mill" if self.is_simulated else self.config.port.kind
+
+    def press(self, end_name: str, pressed: bool) -> None:
+        """Press an end switch of a simulated mill by hand, or let it go, by its name (xmin)."""
+        if not isinstance(self.port, SimulatedMill):
+            return
+        end = self.controller.motor_end(end_name)
+        (self.port.press if pressed else self.port.let_go)(end)
+
     def save(self, *, moving: bool = False) -> None:
         """Keep the state; ``moving`` before motion, so that a crash is noticed.
 
@@ -196,7 +204,7 @@ class Plant:
         """
         if self.journal is None:
             return
-        simulation: tuple[tuple[float, float, float], ...] = ()
+        simulation: tuple[tuple[float, float, float, float], ...] = ()
         if isinstance(self.port, SimulatedMill):
             simulation = tuple((*state,) for state in self.port.states())
         also = {
@@ -269,6 +277,7 @@ def assemble(
             mask, mask if config.switches.closed_reads else 0, config.switches.readings
         ),
         settle_s=config.standstill.settle_ms / 1000,
+        safe_outputs=config.outputs.mask("laser"),
     )
     log = LogFile(
         Path(config.log.file) if config.log.file else (state or state_folder()) / "fraese.log"

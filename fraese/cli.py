@@ -18,7 +18,7 @@ from fraese.controller import Controller
 from fraese.errors import Cancelled, FraeseError, UsageError
 from fraese.examine import Facts, examine
 from fraese.gcode.jsonl import as_dict
-from fraese.headless import Session, note, refuse
+from fraese.headless import Session, note, refuse, watch_switches
 from fraese.log import write
 from fraese.machine import Machine
 from fraese.program import open_program
@@ -118,6 +118,9 @@ def start(
     config: ConfigOption = None,
     state: StateOption = None,
     fresh: FreshOption = False,
+    file: Annotated[
+        Path | None, typer.Option("--open", metavar="FILE", help="Program to open in the app.")
+    ] = None,
 ) -> None:
     """Without a command, start the app."""
     if context.invoked_subcommand is not None:
@@ -131,22 +134,24 @@ def start(
         plant = assemble(
             configuration.load(config), clock="paced", state=state or state_folder(), fresh=fresh
         )
-        return _run_app(plant)
+        return _run_app(plant, file)
 
     _leave(go)
 
 
-def _run_app(plant: Plant) -> int:
+def _run_app(plant: Plant, program: Path | None) -> int:
     # Textual takes a quarter of a second to import; headless commands do not pay for it.
     from fraese.ui.app import FraeseApp
 
     try:
-        plant.save(moving=True)
         FraeseApp(
             plant.controller,
             open_program=open_program,
             notes=plant.notes,
-            title_note="simulated mill",
+            before_motion=lambda: plant.save(moving=True),
+            program=program,
+            machine_name=plant.machine_name,
+            hand=plant.press if plant.is_simulated else None,
         ).run()
     finally:
         plant.close()
@@ -287,6 +292,24 @@ def frame(
         fresh,
         real_time,
     )
+
+
+@app.command()
+def switches(
+    config: ConfigOption = None,
+    as_json: JsonOption = False,
+    state: StateOption = None,
+) -> None:
+    """Press each end switch by hand and see it; nothing moves. Ends with Ctrl+C."""
+
+    def go() -> int:
+        plant = assemble(configuration.load(config), clock="paced", state=state or state_folder())
+        try:
+            return watch_switches(plant.controller, as_json=as_json)
+        finally:
+            plant.close()
+
+    _leave(go, as_json)
 
 
 @app.command()

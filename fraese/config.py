@@ -178,12 +178,32 @@ class OutputsConfig(Section):
 
     spindle: OutputConfig | None = Field(None, description="Spindle relay.")
     coolant: OutputConfig | None = Field(None, description="Coolant or extraction relay.")
+    laser: OutputConfig | None = Field(
+        None,
+        description=(
+            "Laser: follows M3, M4 and M5 without a stop, and is off whenever the motors stand."
+        ),
+    )
     enable: OutputConfig | None = Field(
         None,
         description=(
             "Enable line of step/direction drives; without it their current cannot be switched off."
         ),
     )
+
+    def configured(self) -> list[tuple[str, OutputConfig]]:
+        """Names and pins of the outputs there are; the place is the bit that a driver knows."""
+        return [(name, output) for name, output in self if output is not None]
+
+    def bit(self, name: str) -> int | None:
+        """Bit of an output, or None where nothing hangs on it."""
+        names = [name for name, _ in self.configured()]
+        return names.index(name) if name in names else None
+
+    def mask(self, *names: str) -> int:
+        """Bits of those of these outputs that there are."""
+        bits = (self.bit(name) for name in names)
+        return sum(1 << bit for bit in bits if bit is not None)
 
 
 class CardConfig(Section):
@@ -354,6 +374,9 @@ class RunConfig(Section):
             " of the travel."
         ),
     )
+    retract_mm: NotNegative = Field(
+        0, description="How far the tool is lifted while a program is held, mm; 0: it stays."
+    )
     list_unit: Literal["mm", "inch"] = Field(
         "mm", description="Unit of coordinate lists that do not say theirs."
     )
@@ -430,6 +453,9 @@ class SimulationConfig(Section):
     )
     overrun_mm: NotNegative = Field(
         2, description=("Way of a carriage behind its switch, to the mechanical end, mm.")
+    )
+    backlash_mm: NotNegative = Field(
+        0, description="How far a spindle turns back before its carriage follows, mm."
     )
     lag_ms: float = Field(
         0, ge=0, le=1000, description=("From the carriage's arrival to the contact, ms.")
@@ -521,7 +547,7 @@ class Config(Section):
         if probe.pin == switches.pin and probe.closed_reads != switches.closed_reads:
             raise ValueError(
                 f"probe.closed_reads ({probe.closed_reads}) differs from switches.closed_reads"
-                f" ({switches.closed_reads}), though both are pin {switches.pin}; leave out probe.pin"
+                f" ({switches.closed_reads}), on the same pin; leave out probe.pin"
             )
 
 

@@ -57,6 +57,10 @@ class ProgramContext:
             folders=(path.parent,),
         )
 
+    def retract_mm(self) -> float:
+        """How far the tool is lifted while the program is held."""
+        return self.config.run.retract_mm
+
     def safe_z_mm(self) -> float:
         """Height for moves above the work, machine coordinates."""
         configured = self.config.run.safe_z_mm

@@ -18,10 +18,10 @@ The run loop is the original's:
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
-from fraese.blocks import Watch, WatchAction
+from fraese.blocks import Block, Watch, WatchAction
 from fraese.calibration import Homing
 from fraese.config import Config
 from fraese.context import ProgramContext
@@ -35,7 +35,7 @@ from fraese.motor.seams import Clock, End, IdleLevel, Report, StepDriver, Switch
 from fraese.offsets import WorkOffsets
 from fraese.planner.backlash import Carriages, take_up
 from fraese.planner.lines import plan_line
-from fraese.runner import Runner
+from fraese.runner import Detour, Runner
 from fraese.state import JobProgress, MachineState, Status
 
 #: DB25 pins of the inputs: status register bit, and whether pin and bit are inverted.
@@ -51,6 +51,12 @@ _NS_PER_S: Final = 1_000_000_000
 
 def _nothing() -> None:
     """No callback registered."""
+
+
+def _made(block: Block | None) -> Iterator[Block]:
+    """A block, if there is one to make."""
+    if block is not None:
+        yield block
 
 
 def _unheard(message: str) -> None:
@@ -200,8 +206,22 @@ class Controller:
         self._driver.close()
         self.switch_log(False)
 
-    def start(self, name: str, job: Job, lines: int = 0, expected_s: float = 0.0) -> None:
+    def start(
+        self,
+        name: str,
+        job: Job,
+        lines: int = 0,
+        expected_s: float = 0.0,
+        detour: Detour | None = None,
+    ) -> None:
         """Take up a job; ``run`` works it off.
+
+        Args:
+            name: for people.
+            job: what to do.
+            lines: how many lines it has, for the progress.
+            expected_s: planned duration, likewise.
+            detour: where to go while it is held; None: stay.
 
         Raises:
             StateError: if another one runs, or an error has not been acknowledged.
@@ -212,7 +232,7 @@ class Controller:
         self._idle_at_ns = None
         self._progress = JobProgress(name, lines=lines, expected_s=expected_s)
         self._job_from_ns = self._clock.now_ns()
-        self._runner.start(job)
+        self._runner.start(job, detour)
         self._status = Status.RUN
 
     def acknowledge(self) -> None:
@@ -246,6 +266,11 @@ class Controller:
                 f"End switch {self._ends_named()} closed: stopped at {self.where()}."
             )
             self._message = str(self.error)
+        # Cutting ends with the job; what was cancelled or failed also leaves no spindle running.
+        ended = ("laser",) if self._status is Status.OK else ("laser", "spindle", "coolant")
+        mask = self.config.outputs.mask(*ended)
+        if mask:
+            self._driver.set_outputs(mask, 0)
         elapsed_s = (self._clock.now_ns() - self._job_from_ns) / _NS_PER_S
         self._progress = self._job_progress(elapsed_s)
 
@@ -634,6 +659,16 @@ class Controller:
         """As in the original: xmin, xmax, ..."""
         return self.machine.axes[end.motor].name + ("max" if end.sign > 0 else "min")
 
+    def motor_end(self, name: str) -> End:
+        """The end of that name as the driver counts it, in motor direction.
+
+        Raises:
+            ValueError: if there is no such end.
+        """
+        index = self.machine.index(name.removesuffix("min").removesuffix("max"))
+        sign = 1 if name.endswith("max") else -1
+        return End(index, sign * self.machine.axes[index].motor_sign)
+
     def _ends_named(self) -> str:
         return " or ".join(self.end_name(end) for end in sorted(self.ends())) or "unknown"
 
@@ -660,19 +695,36 @@ class Controller:
     def _axis(self, name: str) -> Axis:
         return self.machine.axes[self.machine.index(name)]
 
-    def line(self, delta: Steps, feed_mm_min: float | None, watch: Watch | None = None) -> Job:
-        """A straight line from rest to rest, by signed axis steps; backlash is taken up first."""
+    def line_blocks(
+        self, delta: Steps, feed_mm_min: float | None, watch: Watch | None = None
+    ) -> Iterator[Block]:
+        """A straight line from rest to rest, by signed axis steps; backlash is taken up first.
+
+        A watched line moves one axis only.
+        """
         slack = tuple(
             take_up(slack, axis.backlash_steps, n)
             for slack, axis, n in zip(self.slack_steps, self.machine.axes, delta, strict=True)
         )
-        for block in (
-            # It watches too: an end may come, or open, while slack is taken up.
-            plan_line(self.machine, slack, watch=watch),
-            plan_line(self.machine, delta, feed_mm_min, watch=watch),
-        ):
-            if block is not None:
-                yield block
+        if watch is not None:
+            # One block: its watch must see the contact wherever it comes.
+            whole = tuple(n + extra for n, extra in zip(delta, slack, strict=True))
+            yield from _made(plan_line(self.machine, whole, feed_mm_min, watch=watch))
+            return
+        yield from _made(plan_line(self.machine, slack))
+        yield from _made(plan_line(self.machine, delta, feed_mm_min))
+
+    def slack_after(self, delta: Steps) -> Steps:
+        """Backlash between motor and carriage after such a line."""
+        return tuple(
+            slack - take_up(slack, axis.backlash_steps, n)
+            for slack, axis, n in zip(self.slack_steps, self.machine.axes, delta, strict=True)
+        )
+
+    def line(self, delta: Steps, feed_mm_min: float | None, watch: Watch | None = None) -> Job:
+        """The same as a job."""
+        for block in self.line_blocks(delta, feed_mm_min, watch):
+            yield block
 
     def _targets(self, point_mm: Millimetres) -> Steps:
         for axis, mm in zip(self.machine.axes, point_mm, strict=True):
@@ -747,7 +799,7 @@ class Controller:
             high_mm=tuple(axis.high_mm for axis in machine.axes),
             speed_mm_min=report.rate_hz * self._runner.mm_per_tick() * 60,
             running=report.running,
-            held=report.held and self._status is Status.RUN,
+            held=self._runner.held and self._status is Status.RUN,
             energised=report.energised,
             switch_closed=report.switch_closed,
             ends=tuple(self.end_name(end) for end in sorted(self.ends())),

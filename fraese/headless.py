@@ -20,10 +20,12 @@ from fraese.assembly import Plant
 from fraese.controller import Controller
 from fraese.errors import Cancelled, FraeseError
 from fraese.state import MachineState, Status
+from fraese.switchtest import SwitchTest
 
 _STATUS_WORDS: Final = {Status.OK: "done", Status.CANCEL: "cancelled", Status.ERROR: "alarm"}
 _EXIT_CODES: Final = {Status.OK: 0, Status.ERROR: 1, Status.CANCEL: Cancelled.exit_code}
 _PROGRESS_EVERY_S: Final = 0.1
+_LOOK_EVERY_S: Final = 0.05
 _SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP")
 
 
@@ -139,6 +141,46 @@ class Session:
         else:
             note(f"{question} (no terminal: going on)")
         self._controller.answer()
+
+
+def watch_switches(controller: Controller, *, as_json: bool) -> int:
+    """Let each end switch be pressed by hand and say what is seen; the exit code.
+
+    With ``--json``, or where nobody sits at a terminal, one look is all.
+    """
+    if as_json or not sys.stdout.isatty():
+        return _look_once(controller, as_json=as_json)
+    test = SwitchTest([axis.name for axis in controller.machine.axes])
+    shown = ""
+    while not test.done:
+        since_s = time.monotonic()
+        time.sleep(_LOOK_EVERY_S)
+        controller.idle(time.monotonic() - since_s)
+        seen = test.look(controller.state().switch_closed)
+        if seen:
+            print(f"\r\x1b[K{seen} seen")
+        if test.sentence() != shown:
+            shown = test.sentence()
+            print(f"\r\x1b[K{shown} ", end="", flush=True)
+    print(f"\r\x1b[K{test.sentence()}")
+    return 0
+
+
+def _look_once(controller: Controller, *, as_json: bool) -> int:
+    for _ in range(controller.config.switches.readings):
+        controller.idle()
+    state = controller.state()
+    if as_json:
+        values = {
+            "switch_closed": state.switch_closed,
+            "ends": list(state.ends),
+            "inputs": {str(pin): high for pin, high in state.inputs.items()},
+        }
+        print(json.dumps(values))
+    else:
+        pins = " ".join(f"{pin}:{'high' if high else 'low'}" for pin, high in state.inputs.items())
+        print(f"end switches {'closed' if state.switch_closed else 'open'}; pins {pins}")
+    return 0
 
 
 @contextmanager

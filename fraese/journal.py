@@ -40,7 +40,7 @@ class Kept(BaseModel):
     parameters: dict[int, float]
     referenced: tuple[bool, ...]
     phases: tuple[int, ...]
-    simulation: tuple[tuple[float, float, float], ...] = ()
+    simulation: tuple[tuple[float, float, float, float], ...] = ()
     axes: tuple[str, ...] = ()
     moving: bool = False
 

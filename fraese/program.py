@@ -12,6 +12,7 @@ from fraese.examine import Facts, Survey, examine
 from fraese.gcode import canon
 from fraese.gcode.text import read_lines
 from fraese.jobs import STANDSTILL, Job
+from fraese.lift import Lift
 from fraese.log import logged
 from fraese.sources import ProgramSource
 from fraese.translate import Moves, Translation
@@ -102,6 +103,7 @@ class Program:
             job(),
             lines=facts.lines if facts else 0,
             expected_s=facts.duration_s if facts else 0.0,
+            detour=Lift(controller, retract_mm) if (retract_mm := context.retract_mm()) else None,
         )
 
     def drive_frame(self, controller: Controller) -> None:

@@ -11,9 +11,11 @@ Rule 3: a job ends in exactly one way: done, cancelled, stopped by a switch, or 
 """
 
 from collections import deque
-from typing import Final, NamedTuple
+from collections.abc import Sequence
+from enum import Enum, auto
+from typing import Final, NamedTuple, Protocol
 
-from fraese.blocks import Block
+from fraese.blocks import Block, remainder
 from fraese.errors import FraeseError
 from fraese.jobs import Ask, Job, Standstill
 from fraese.machine import Steps
@@ -26,11 +28,29 @@ from fraese.state import Status
 _MOST_LOOKS: Final = 1000
 
 
+class Detour(Protocol):
+    """A way aside while a job is held, and back again to the very step."""
+
+    def away(self) -> Sequence[Block]:
+        """From where the hold came to rest; nothing: stay there."""
+
+    def back(self) -> Sequence[Block]:
+        """From there, with the backlash as it was."""
+
+
+class _Aside(Enum):
+    """Where a held job is."""
+
+    ON_PATH = auto()
+    AWAY = auto()
+    COMING_BACK = auto()
+
+
 class _Ahead(NamedTuple):
     """What is remembered of a block in the queue."""
 
     serial: int
-    steps: tuple[int, ...]
+    block: Block
     ticks: int
     duration_s: float
     mm_per_tick: float
@@ -66,6 +86,9 @@ class Runner:
         self.question = ""
         self._job: Job | None = None
         self._begun = False
+        self._detour: Detour | None = None
+        self._aside = _Aside.ON_PATH
+        self._kept: deque[Block] = deque()
         self._pending: Block | None = None
         self._wait: Standstill | Ask | None = None
         self._report_is_fresh = True
@@ -109,8 +132,16 @@ class Runner:
 
     # --- from the run loop's thread ------------------------------------------------------------
 
-    def start(self, job: Job) -> None:
-        """Take up a job; it begins at the next ``activate``. What an old brake left is undone."""
+    def start(self, job: Job, detour: Detour | None = None) -> None:
+        """Take up a job; it begins at the next ``activate``. What an old brake left is undone.
+
+        Args:
+            job: what to do.
+            detour: where to go while it is held; None: stay.
+        """
+        self._detour = detour
+        self._aside = _Aside.ON_PATH
+        self._kept.clear()
         self._driver.flush()
         self._job = job
         self._begun = False
@@ -136,7 +167,9 @@ class Runner:
 
     def activate(self) -> Status:
         """One round: feed the queue, play a slice, see how it stands (ActivateMotoren)."""
-        if self._resume:
+        if self._held and self._detour is not None:
+            self._step_aside(self._detour)
+        elif self._resume:
             self._go_on()
         try:
             self._feed()
@@ -163,7 +196,12 @@ class Runner:
     @property
     def waits(self) -> bool:
         """Nothing moves until a person does something."""
-        return self.report.held or bool(self.question)
+        return self.held or bool(self.question)
+
+    @property
+    def held(self) -> bool:
+        """The motors stand, on the path or aside, and the job waits."""
+        return self.report.held or (self._aside is _Aside.AWAY and not self.report.queued)
 
     def _go_on(self) -> None:
         """Resume, unless somebody has cancelled since; also if he does it at this moment."""
@@ -187,7 +225,7 @@ class Runner:
 
     def _forget_played(self) -> None:
         while self._ahead and self._ahead[0].serial < self.report.playing:
-            self._tell(self._ahead.popleft().steps)
+            self._tell(self._ahead.popleft().block.steps)
         if not self.report.queued:
             # The last one was played, or dropped half-way; what a driver drops it does not count.
             self._tell(self._untold())
@@ -210,6 +248,8 @@ class Runner:
         return total_s
 
     def _feed(self) -> None:
+        if not self._held and not self._give_back():
+            return
         ahead_s = self.ahead_s()
         while self._job is not None and not (self._held or self._cancel or self._stop):
             if self._pending is not None:
@@ -221,6 +261,63 @@ class Runner:
             self._pending = self._wait = None
             self._advance()
 
+    def _step_aside(self, detour: Detour) -> None:
+        """Away from the path once the hold stands, and back when it is to go on."""
+        report = self.report
+        if self._cancel or self._stop:
+            return
+        if self._aside is _Aside.ON_PATH:
+            if report.held:
+                self._go_away(detour)
+        elif not self._resume:
+            return
+        elif report.queued:
+            if report.held:
+                # Held once more, on the way.
+                self._driver.resume()
+        elif self._aside is _Aside.AWAY:
+            self._push_all(detour.back())
+            self._aside = _Aside.COMING_BACK
+        else:
+            self._rejoin()
+
+    def _go_away(self, detour: Detour) -> None:
+        self._kept.extendleft(reversed(self._unplayed()))
+        self._driver.flush()
+        self.look()
+        self._push_all(detour.away())
+        self._aside = _Aside.AWAY
+
+    def _rejoin(self) -> None:
+        """Back on the path, what was taken out of the queue is given back."""
+        # Behind a closed throttle: what was planned at speed starts from the start/stop rate.
+        self._driver.brake()
+        self.look()
+        self.blocks = self.report.playing - self._serial_at_start
+        self._give_back()
+        self._aside = _Aside.ON_PATH
+        self._go_on()
+
+    def _give_back(self) -> bool:
+        """True when all of it is in the queue."""
+        while self._kept:
+            if not self._driver.push(self._kept[0]):
+                return False
+            self._remember(self._kept.popleft())
+        return True
+
+    def _unplayed(self) -> list[Block]:
+        """What is queued, the block in hand without what was played of it."""
+        blocks = [ahead.block for ahead in self._ahead]
+        if blocks and self._ahead[0].serial == self.report.playing and self.report.tick:
+            blocks[0] = remainder(blocks[0], self.report.tick)
+        return blocks
+
+    def _push_all(self, blocks: Sequence[Block]) -> None:
+        for block in blocks:
+            self._driver.push(block)
+            self._remember(block)
+
     def _remember(self, block: Block) -> float:
         self._serial += 1
         self.blocks += 1
@@ -229,7 +326,7 @@ class Runner:
         self._ahead.append(
             _Ahead(
                 self._serial,
-                block.steps,
+                block,
                 max(1, block.ticks()),
                 duration_s,
                 mm_per_tick(block.weight),
@@ -272,7 +369,8 @@ class Runner:
         if self._cancel and not report.running:
             self._driver.flush()
             return self._end(Status.ERROR if self.failure else Status.CANCEL)
-        if self._job is None and self._pending is None and not report.queued and not self._cancel:
+        done = self._job is None and self._pending is None and not self._kept
+        if done and not report.queued and not self._cancel:
             return self._end(Status.OK)
         return Status.RUN
 

@@ -115,6 +115,11 @@ class Translation:
 
     def _spindle(self, move: canon.Spindle) -> Part:
         on = bool(move.direction)
+        laser = self._context.config.outputs.mask("laser")
+        if laser:
+            # Without a stop: it changes with the first tick of the next move.
+            self.planner.outputs(laser, laser if on else 0)
+            return None
         if (yield from self._switch("spindle", on)):
             if on:
                 yield from _each(self.planner.dwell(self._context.config.run.spin_up_s, move.line))
@@ -139,10 +144,9 @@ class Translation:
 
     def _switch(self, name: str, on: bool) -> Generator[Block, Report, bool]:
         """Switch a configured output, at rest; False if there is none."""
-        bit = output_bit(self._context, name)
-        if bit is None:
+        mask = self._context.config.outputs.mask(name)
+        if not mask:
             return False
-        mask = 1 << bit
         yield from _each(self.planner.drain())
         self.planner.outputs(mask, mask if on else 0)
         yield from _each(self.planner.dwell(0))
@@ -245,12 +249,6 @@ def _each(blocks: Iterable[Block]) -> Generator[Block, Report, None]:
     """Blocks one by one; a plain iterator cannot take the reports that a job is sent."""
     for block in blocks:
         yield block
-
-
-def output_bit(context: ProgramContext, name: str) -> int | None:
-    """Bit of a free output in the driver's count: configured ones, in their order."""
-    names = [name for name, output in context.config.outputs if output is not None]
-    return names.index(name) if name in names else None
 
 
 _ROWS: Final[dict[type, Callable[[Translation, Any], Part]]] = {

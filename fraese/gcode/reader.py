@@ -1,6 +1,7 @@
 """A file of whatever kind as canonical moves."""
 
 from collections.abc import Generator
+from contextlib import closing
 from itertools import islice
 from pathlib import Path
 from typing import Final, Literal
@@ -29,7 +30,8 @@ def kind_of(path: Path) -> Kind:
     kind = _SUFFIXES.get(path.suffix.lower())
     if kind is not None:
         return kind
-    return "points" if looks_like_points(islice(read_lines(path), GLANCE)) else "gcode"
+    with closing(read_lines(path)) as lines:
+        return "points" if looks_like_points(islice(lines, GLANCE)) else "gcode"
 
 
 def read_moves(

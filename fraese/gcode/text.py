@@ -1,27 +1,23 @@
 """Files as lines of text, whatever their encoding, without ever holding a whole file.
 
-UTF-8 (with or without mark) and UTF-16 (with mark) are recognised; bytes that are not UTF-8
-are taken as Latin-1, which only ever concerns comments. Lines end with LF or CR LF, or with
-CR in a file that has no LF.
+UTF-8 (with or without mark) and UTF-16 (with mark) are recognised; a line that is not UTF-8
+is taken as Latin-1, which only ever concerns comments. Lines end with LF, CR LF or CR.
 """
 
 import codecs
-from collections.abc import Iterator
+import io
+from collections.abc import Generator, Iterator
+from functools import partial
 from pathlib import Path
-from typing import BinaryIO, Final
+from typing import Final
 
 from fraese.errors import ProgramError
 
 MAX_LINE: Final = 4096
-_CHUNK: Final = 1 << 16
-_MARKS: Final = (
-    (codecs.BOM_UTF8, "utf-8"),
-    (codecs.BOM_UTF16_LE, "utf-16-le"),
-    (codecs.BOM_UTF16_BE, "utf-16-be"),
-)
+_WIDE_MARKS: Final = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 
-def read_lines(path: Path, file: str = "") -> Iterator[str]:
+def read_lines(path: Path, file: str = "") -> Generator[str, None, None]:
     """Yield the lines of a file without their ends.
 
     Args:
@@ -29,78 +25,37 @@ def read_lines(path: Path, file: str = "") -> Iterator[str]:
         file: its name in messages; the path as given where empty.
 
     Raises:
-        ProgramError: the file cannot be read, is binary, or has an endless line.
+        ProgramError: the file cannot be read, is binary, or has a line that is too long.
     """
     file = file or str(path)
     try:
         with path.open("rb") as stream:
-            yield from _lines(stream, file)
+            wide = stream.peek(2)[:2] in _WIDE_MARKS
+            encoding, errors = ("utf-16", "replace") if wide else ("utf-8-sig", "surrogateescape")
+            with io.TextIOWrapper(stream, encoding, errors) as text_stream:
+                yield from _lines(text_stream, file)
     except OSError as error:
         raise ProgramError(f"cannot be read: {error.strerror}", file=file) from error
 
 
-def _lines(stream: BinaryIO, file: str) -> Iterator[str]:
-    encoding, rest = _encoding(stream.read(4))
-    newline = ""
-    line = 0
-    while True:
-        chunk = stream.read(_CHUNK)
-        if not chunk:
-            break
-        data = rest + chunk
-        newline = newline or _newline(data, encoding)
-        whole, found, rest = data.rpartition(newline.encode(encoding))
-        if encoding != "utf-8" and found:
-            whole, rest = _even(data, newline, encoding)
-        if len(rest) > 4 * MAX_LINE:
-            raise _endless(line + 1 + whole.count(b"\n"), file)
-        if found:
-            text = _decoded(whole, encoding)
-            _check_binary(text, line, file)
-            lines = text.split(newline)
-            line += len(lines)
-            yield from lines
-    if rest:
-        text = _decoded(rest, encoding)
-        _check_binary(text, line, file)
-        yield from text.split(newline or "\n")
+def _lines(stream: io.TextIOWrapper, file: str) -> Iterator[str]:
+    # One more than allowed, and its end: so a longer line is noticed before it is all read.
+    read = partial(stream.readline, MAX_LINE + 2)
+    for line, text in enumerate(iter(read, ""), start=1):
+        if "\0" in text:
+            raise ProgramError("this is a binary file (a NUL byte), not a program", line, file)
+        if not text.isascii():
+            text = _repaired(text)
+        text = text.removesuffix("\n")
+        if len(text) > MAX_LINE:
+            raise ProgramError(f"the line is longer than {MAX_LINE} characters", line, file)
+        yield text
 
 
-def _encoding(head: bytes) -> tuple[str, bytes]:
-    for mark, encoding in _MARKS:
-        if head.startswith(mark):
-            return encoding, head[len(mark) :]
-    return "utf-8", head
-
-
-def _newline(data: bytes, encoding: str) -> str:
-    lf, cr = "\n".encode(encoding), "\r".encode(encoding)
-    return "\r" if cr in data and lf not in data else "\n"
-
-
-def _even(data: bytes, newline: str, encoding: str) -> tuple[bytes, bytes]:
-    """Cut UTF-16 behind its last newline, at a place where a character starts."""
-    even = data[: len(data) // 2 * 2]
-    text = even.decode(encoding, "replace")
-    cut = text.rfind(newline)
-    kept = len(text[: max(cut, 0)].encode(encoding, "replace"))
-    return even[:kept], data[kept + 2 if cut >= 0 else 0 :]
-
-
-def _decoded(data: bytes, encoding: str) -> str:
-    if encoding != "utf-8":
-        return data.decode(encoding, "replace")
+def _repaired(text: str) -> str:
+    """Latin-1 where bytes were no UTF-8."""
     try:
-        return data.decode()
-    except UnicodeDecodeError:
-        return data.decode("latin-1")
-
-
-def _check_binary(text: str, line: int, file: str) -> None:
-    if "\0" in text:
-        line += text[: text.index("\0")].count("\n") + 1
-        raise ProgramError("this is a binary file (a NUL byte), not a program", line, file)
-
-
-def _endless(line: int, file: str) -> ProgramError:
-    return ProgramError(f"the line is longer than {MAX_LINE} characters", line, file)
+        text.encode()
+    except UnicodeEncodeError:
+        return text.encode(errors="surrogateescape").decode("latin-1")
+    return text

@@ -28,23 +28,18 @@ _GROWTH: Final = 0.1
 #: Each tick of a piece may lose 1/256 cycle to the rounding of ``add``: never more than one cycle.
 _MOST_TICKS: Final = Q8 + 1
 _UNITS_PER_S: Final = CYCLES_PER_S * Q8
+_TWICE_UNITS: Final = 2 * _UNITS_PER_S
 #: An interval must fit 32 bits without sign: the slowest rate is a little under one tick a second.
 _LONGEST_Q8: Final = 0xFFFF_FFFF
 
-_new_piece = Piece._make
+_new = tuple.__new__
 _sqrt = math.sqrt
+_ceil = math.ceil
 
 
 def interval_q8(rate_hz: float) -> int:
     """Interval of a rate, in 1/256 cycle, rounded up to the slower side."""
     return min(_LONGEST_Q8, math.ceil(_UNITS_PER_S / rate_hz))
-
-
-def _interval_between_q8(squared_before: float, squared_after: float) -> int:
-    """Time of one tick at constant acceleration, from one squared rate to another."""
-    # 2 / (v0 + v1): the difference of two roots without cancellation.
-    mean_hz = (_sqrt(squared_before) + _sqrt(squared_after)) / 2
-    return min(_LONGEST_Q8, math.ceil(_UNITS_PER_S / mean_hz))
 
 
 def ramp_up(start_hz2: float, twice_hz_s: float, ticks: int) -> list[Piece]:
@@ -57,23 +52,28 @@ def ramp_up(start_hz2: float, twice_hz_s: float, ticks: int) -> list[Piece]:
     """
     pieces = []
     done = 0
+    squared, rate = start_hz2, _sqrt(start_hz2)
     while done < ticks:
-        squared = start_hz2 + twice_hz_s * done
         count = min(ticks - done, int(squared / twice_hz_s * _GROWTH) + 2, _MOST_TICKS)
-        first_q8 = _interval_between_q8(squared, squared + twice_hz_s)
+        # A tick takes 2 / (v0 + v1): the difference of two roots without cancellation.
+        first_q8 = min(_LONGEST_Q8, _ceil(_TWICE_UNITS / (rate + _sqrt(squared + twice_hz_s))))
+        done += count
+        squared = start_hz2 + twice_hz_s * done
+        rate = _sqrt(squared)
         add_q8 = 0
         if count > 1:
-            end = squared + twice_hz_s * count
-            drop_q8 = first_q8 - _interval_between_q8(end - twice_hz_s, end)
-            add_q8 = drop_q8 // (count - 1)
-        pieces.append(_new_piece((count, first_q8, -add_q8)))
-        done += count
+            last_q8 = _ceil(_TWICE_UNITS / (_sqrt(squared - twice_hz_s) + rate))
+            add_q8 = (first_q8 - min(_LONGEST_Q8, last_q8)) // (count - 1)
+        pieces.append(_new(Piece, (count, first_q8, -add_q8)))
     return pieces
 
 
 def mirrored(pieces: list[Piece]) -> list[Piece]:
     """The same ramp downwards."""
-    return [piece.mirrored() for piece in reversed(pieces)]
+    return [
+        _new(Piece, (ticks, interval_q8 + (ticks - 1) * add_q8, -add_q8))
+        for ticks, interval_q8, add_q8 in reversed(pieces)
+    ]
 
 
 def _ramp_ticks(length: float, edge_hz2: float, cruise_hz2: float, twice_hz_s: float) -> int:
@@ -124,7 +124,7 @@ def time_law(
     flat = ticks - ticks_up - ticks_down
     pieces = ramp_up(entry_hz2, twice_hz_s, ticks_up) if ticks_up else []
     if flat:
-        pieces.append(_new_piece((flat, interval_q8(_sqrt(cruise_hz2)), 0)))
+        pieces.append(_new(Piece, (flat, interval_q8(_sqrt(cruise_hz2)), 0)))
     if ticks_down:
         pieces += mirrored(ramp_up(exit_hz2, twice_hz_s, ticks_down))
     return pieces

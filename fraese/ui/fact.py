@@ -6,7 +6,9 @@ from textual.widgets import Digits, Static
 class Fact(Static):
     """A few words; ``show`` costs a comparison while they stay the same."""
 
-    def __init__(self, text: str = "", *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+    def __init__(
+        self, text: str = "", *, id: str | None = None, classes: str | None = None
+    ) -> None:  # noqa: A002
         super().__init__(text, id=id, classes=classes, markup=False)
         self._text = text
         self._tone = ""

@@ -11,12 +11,12 @@ class Facts(Protocol):
     """What is known of a program before it runs."""
 
     @property
-    def low_mm(self) -> tuple[float, ...]:
-        """Lowest machine position of every axis."""
+    def low_mm(self) -> tuple[float, ...] | None:
+        """Lowest machine position of every axis; None: nothing moves."""
 
     @property
-    def high_mm(self) -> tuple[float, ...]:
-        """Highest machine position of every axis."""
+    def high_mm(self) -> tuple[float, ...] | None:
+        """Highest machine position of every axis; likewise."""
 
     @property
     def duration_s(self) -> float:

@@ -189,6 +189,7 @@ class RotorState(NamedTuple):
     position_steps: float
     lost_steps: float
     field_angle: float
+    slack_steps: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -262,12 +263,15 @@ class SimulatedMill:
         """What stays as it is when everything is switched off."""
         self.look()
         return tuple(
-            RotorState(rotor.position_steps, rotor.lost_steps, angle)
-            for rotor, angle in zip(self.mill.rotors, self.electronics.angles, strict=True)
+            RotorState(rotor.position_steps, rotor.lost_steps, angle, slack)
+            for rotor, angle, slack in zip(
+                self.mill.rotors, self.electronics.angles, self.mill.slack_steps(), strict=True
+            )
         )
 
     def set_states(self, states: Sequence[RotorState]) -> None:
         """Find the machine as it was left."""
+        self.mill.set_slack([state.slack_steps for state in states])
         for motor, state in enumerate(states):
             self.electronics.angles[motor] = state.field_angle
             self.mill.place(motor, state.position_steps, self._clock.now_ns())
