@@ -688,15 +688,14 @@ def _annotate(section: Section, path: str, lines: list[str]) -> None:
             tables.append((key, value))
             continue
         lines.append(f"# {field.description}{_choices(field.annotation)}{_bounds(field.metadata)}")
-        lines.append(_entry(key, value, path))
+        lines.append(_entry(key, value, field.annotation))
     for key, value in tables:
         _annotate(value, f"{path}.{key}" if path else key, lines)
 
 
-def _entry(key: str, value: Any, path: str) -> str:
+def _entry(key: str, value: Any, annotation: Any) -> str:
     if value is None:
-        example = "-2.0" if key.endswith("_mm") else "{ pin = 14, active_high = true }"
-        return f"#{key} = {example}"
+        return f"#{key} = {_example(annotation)}"
     if isinstance(value, dict):
         return f"#[{key}.1]\n#length_mm = 0.0\n#diameter_mm = 3.0"
     if isinstance(value, Decimal):
@@ -704,10 +703,24 @@ def _entry(key: str, value: Any, path: str) -> str:
     return f"{key} = {tomlkit.item(value).as_string()}"
 
 
+def _example(annotation: Any) -> str:
+    """A value for a key that has none by default."""
+    if choices := _literals(annotation):
+        return str(choices[-1])
+    return "-2.0" if float in get_args(annotation) else "{ pin = 14, active_high = true }"
+
+
+def _literals(annotation: Any) -> tuple[Any, ...]:
+    """What a field may be, if that is a list; also one that may be left out."""
+    for option in (annotation, *get_args(annotation)):
+        if get_origin(option) is Literal:
+            return get_args(option)
+    return ()
+
+
 def _choices(annotation: Any) -> str:
-    if get_origin(annotation) is not Literal:
-        return ""
-    return " One of: " + ", ".join(str(choice) for choice in get_args(annotation)) + "."
+    choices = ", ".join(str(choice) for choice in _literals(annotation))
+    return f" One of: {choices}." if choices else ""
 
 
 def _bounds(metadata: list[Any]) -> str:
