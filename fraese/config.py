@@ -712,7 +712,8 @@ def _example(annotation: Any) -> str:
 
 def _literals(annotation: Any) -> tuple[Any, ...]:
     """What a field may be, if that is a list; also one that may be left out."""
-    for option in (annotation, *get_args(annotation)):
+    may_be_left_out = type(None) in get_args(annotation)
+    for option in get_args(annotation) if may_be_left_out else (annotation,):
         if get_origin(option) is Literal:
             return get_args(option)
     return ()
