@@ -4,12 +4,28 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from fraese.context import ProgramContext
+from fraese.errors import ProgramError
 from fraese.gcode.coordlist import read_points
 from fraese.gcode.interpreter import Interpreter
 from fraese.gcode.reader import kind_of
 from fraese.gcode.setup import ModalState
 from fraese.gcode.text import read_lines
 from fraese.translate import Moves
+
+
+def require_readable(path: Path) -> None:
+    """See that there is a file.
+
+    Raises:
+        ProgramError: naming it, if there is nothing to read.
+    """
+    if not path.is_file():
+        raise ProgramError("there is no such file.", file=str(path))
+    try:
+        with path.open("rb"):
+            pass
+    except OSError as error:
+        raise ProgramError(f"cannot be read: {error.strerror}.", file=str(path)) from error
 
 
 class ProgramSource:
@@ -40,6 +56,7 @@ class ProgramSource:
         Raises:
             ProgramError: the file cannot be read, or a line is refused.
         """
+        require_readable(self._path)
         lines = self._counted(read_lines(self._path, self._setup.file))
         if kind_of(self._path) == "gcode":
             return self._interpreter.run(lines)
