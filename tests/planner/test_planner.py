@@ -407,3 +407,10 @@ def test_a_long_merged_line_comes_before_what_ended_it() -> None:
     wanted = [[4000, 0, 0], [4000, 1800, 0], [1000, 1800, 0]]
     assert [corner for corner in corners if corner in wanted] == wanted
     assert corners == sorted(corners, key=lambda at: (at[1], at[0] if at[1] == 0 else -at[0]))
+
+
+@pytest.mark.parametrize("feed", [1e-3, 1e-9, 1e-300])
+def test_a_feed_slower_than_anything_is_a_step_a_second(feed: float) -> None:
+    blocks = run(planner(machine()), [(0.1, 0.0, 0.0)], feed)
+    assert total_steps(blocks) == (20, 0, 0)
+    assert 18 < duration_s(blocks) < 21
