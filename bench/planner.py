@@ -29,7 +29,7 @@ def _outline(count: int, step_mm: float) -> Iterator[Line]:
         yield (x_mm, y_mm, -20.0), 1200.0
 
 
-def measure(name: str, lines: list[Line], repeat: int = 3) -> float:
+def measure(name: str, lines: list[Line], repeat: int = 5) -> float:
     """Print and return lines per second, the best of some runs."""
     machine = Machine.from_config(Config())
     best = math.inf
