@@ -140,6 +140,31 @@ def steps_done(total_steps: int, ticks: int, done: int) -> int:
     return (ticks // 2 + done * total_steps) // ticks
 
 
+def remainder(block: Block, done: int) -> Block:
+    """What is left of a block after ``done`` of its ticks, as a block of its own.
+
+    The same steps in all; the minor axes' beat begins anew. Watch and outputs have had their time.
+
+    Raises:
+        ValueError: if nothing is left.
+    """
+    ticks = block.ticks()
+    if not 0 <= done < ticks:
+        raise ValueError("nothing is left of this block")
+    pieces = []
+    skip = done
+    for piece in block.pieces:
+        if skip < piece.ticks:
+            first_q8 = piece.interval_q8 + skip * piece.add_q8
+            pieces.append(Piece(piece.ticks - skip, first_q8, piece.add_q8))
+        skip = max(0, skip - piece.ticks)
+    left = tuple(
+        (1 if n > 0 else -1) * (abs(n) - steps_done(abs(n), ticks, done)) if n else 0
+        for n in block.steps
+    )
+    return block._replace(steps=left, pieces=tuple(pieces), watch=None, outputs=None)
+
+
 def accel_q_from_hz_s(acceleration_hz_s: float) -> int:
     """Acceleration in ticks/s**2 as the integer that the throttle works with, at least 1."""
     return max(1, round(acceleration_hz_s * Q8 * 65536 / CYCLES_PER_S))

@@ -12,7 +12,7 @@ import tomllib
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args, get_origin
 
 import platformdirs
 import tomlkit
@@ -136,6 +136,21 @@ class AxesConfig(Section):
     y: AxisConfig = AxisConfig(travel_mm=Decimal("200"))
     z: AxisConfig = AxisConfig(travel_mm=Decimal("60"), home_end="max")
 
+    @model_validator(mode="before")
+    @classmethod
+    def _own_defaults(cls, value: Any) -> Any:
+        """A table that names some keys of an axis leaves the others at that axis' defaults."""
+        if not isinstance(value, dict):
+            return value
+        own: dict[str, dict[str, Any]] = {
+            "y": {"travel_mm": Decimal("200")},
+            "z": {"travel_mm": Decimal("60"), "home_end": "max"},
+        }
+        return {
+            name: {**own.get(name, {}), **given} if isinstance(given, dict) else given
+            for name, given in value.items()
+        }
+
 
 class OutputConfig(Section):
     """One free output on a control pin."""
@@ -149,12 +164,32 @@ class OutputsConfig(Section):
 
     spindle: OutputConfig | None = Field(None, description="Spindle relay.")
     coolant: OutputConfig | None = Field(None, description="Coolant or extraction relay.")
+    laser: OutputConfig | None = Field(
+        None,
+        description=(
+            "Laser: follows M3, M4 and M5 without a stop, and is off whenever the motors stand."
+        ),
+    )
     enable: OutputConfig | None = Field(
         None,
         description=(
             "Enable line of step/direction drives; without it their current cannot be switched off."
         ),
     )
+
+    def configured(self) -> list[tuple[str, OutputConfig]]:
+        """Names and pins of the outputs there are; the place is the bit that a driver knows."""
+        return [(name, output) for name, output in self if output is not None]
+
+    def bit(self, name: str) -> int | None:
+        """Bit of an output, or None where nothing hangs on it."""
+        names = [name for name, _ in self.configured()]
+        return names.index(name) if name in names else None
+
+    def mask(self, *names: str) -> int:
+        """Bits of those of these outputs that there are."""
+        bits = (self.bit(name) for name in names)
+        return sum(1 << bit for bit in bits if bit is not None)
 
 
 class CardConfig(Section):
@@ -255,6 +290,13 @@ class HomingConfig(Section):
     back_off_max_mm: Positive = Field(
         5, description=("Within this way the switch must open again, mm.")
     )
+    resolve_mm: Positive = Field(
+        1.5,
+        description=(
+            "How far a candidate is backed off when a switch is closed at the start, mm;"
+            " shorter than the way from a switch to the mechanical end."
+        ),
+    )
     pull_off_mm: Positive = Field(
         2, description=("Distance from the switch that becomes machine zero, mm.")
     )
@@ -298,6 +340,32 @@ class RunConfig(Section):
     default_feed_mm_min: Positive = Field(
         300, description=("Feed of straight moves commanded without one, mm/min.")
     )
+    optional_stop: bool = Field(False, description="Whether M1 stops.")
+    block_delete: bool = Field(
+        False, description="Whether lines that start with a slash are left out."
+    )
+    confirm_spindle: bool = Field(
+        False,
+        description=(
+            "Whether the operator must confirm that a spindle switched by hand runs or stands."
+        ),
+    )
+    spin_up_s: float = Field(
+        2, ge=0, le=60, description="Wait after switching a configured spindle output on, s."
+    )
+    safe_z_mm: float | None = Field(
+        None,
+        description=(
+            "Height for moves above the work, machine coordinates, mm; without it, the upper end"
+            " of the travel."
+        ),
+    )
+    retract_mm: NotNegative = Field(
+        0, description="How far the tool is lifted while a program is held, mm; 0: it stays."
+    )
+    list_unit: Literal["mm", "inch"] = Field(
+        "mm", description="Unit of coordinate lists that do not say theirs."
+    )
     lead_s: float = Field(
         0.3, ge=0.05, le=10, description=("Motion kept in the queue ahead of the motors, s.")
     )
@@ -334,6 +402,25 @@ class PlannerConfig(Section):
     )
 
 
+class ToolConfig(Section):
+    """One tool of the tool table."""
+
+    length_mm: float = Field(0, description="Length offset that G43 applies, mm.")
+    diameter_mm: NotNegative = Field(0, description="Diameter, mm.")
+
+
+class ProbeConfig(Section):
+    """The probe of G38.2 to G38.5."""
+
+    pin: Literal[10, 11, 12, 13, 15] = Field(
+        11,
+        description="DB25 pin of the status register; 11 is shared with the end switches.",
+    )
+    closed_reads: Literal[0, 1] = Field(
+        0, description="How the pin's register bit reads with contact."
+    )
+
+
 class SimulationConfig(Section):
     """The simulated mill."""
 
@@ -350,6 +437,9 @@ class SimulationConfig(Section):
     )
     overrun_mm: NotNegative = Field(
         2, description=("Way of a carriage behind its switch, to the mechanical end, mm.")
+    )
+    backlash_mm: NotNegative = Field(
+        0, description="How far a spindle turns back before its carriage follows, mm."
     )
     lag_ms: float = Field(
         0, ge=0, le=1000, description=("From the carriage's arrival to the contact, ms.")
@@ -381,8 +471,21 @@ class Config(Section):
     jog: JogConfig = JogConfig()
     run: RunConfig = RunConfig()
     planner: PlannerConfig = PlannerConfig()
+    probe: ProbeConfig = ProbeConfig()
+    tools: dict[str, ToolConfig] = Field(
+        default_factory=dict,
+        description="Tool table by tool number; empty: every tool is allowed and has length 0.",
+    )
     simulation: SimulationConfig = SimulationConfig()
     log: LogConfig = LogConfig()
+
+    @field_validator("tools")
+    @classmethod
+    def _numbered(cls, value: dict[str, ToolConfig]) -> dict[str, ToolConfig]:
+        for key in value:
+            if not key.isdecimal():
+                raise ValueError(f'tools are named by number, as in [tools.1]; "{key}" is none')
+        return value
 
     @model_validator(mode="after")
     def _fits_together(self) -> "Config":
@@ -502,3 +605,57 @@ def write_key(path: Path, section: str, key: str, value: Any) -> None:
     text = tomlkit.dumps(document)
     from_table(tomllib.loads(text, parse_float=Decimal), str(path))
     path.write_text(text, "utf-8")
+
+
+def annotated() -> str:
+    """The defaults as a file, every key with its sentence, unit and bounds."""
+    lines = [
+        "# Configuration of fraese. Every key is optional; what stands here is the default.",
+        "# Found in the working directory, else in the user's configuration folder.",
+    ]
+    _annotate(Config(), "", lines)
+    return "\n".join(lines) + "\n"
+
+
+def _annotate(section: Section, path: str, lines: list[str]) -> None:
+    tables = []
+    if path:
+        lines += ["", f"# {(type(section).__doc__ or '').strip()}", f"[{path}]"]
+    for key, field in type(section).model_fields.items():
+        value = getattr(section, key)
+        if isinstance(value, Section):
+            tables.append((key, value))
+            continue
+        lines.append(f"# {field.description}{_choices(field.annotation)}{_bounds(field.metadata)}")
+        lines.append(_entry(key, value, path))
+    for key, value in tables:
+        _annotate(value, f"{path}.{key}" if path else key, lines)
+
+
+def _entry(key: str, value: Any, path: str) -> str:
+    if value is None:
+        example = "-2.0" if key.endswith("_mm") else "{ pin = 14, active_high = true }"
+        return f"#{key} = {example}"
+    if isinstance(value, dict):
+        return f"#[{key}.1]\n#length_mm = 0.0\n#diameter_mm = 3.0"
+    if isinstance(value, Decimal):
+        return f"{key} = {value}"
+    return f"{key} = {tomlkit.item(value).as_string()}"
+
+
+def _choices(annotation: Any) -> str:
+    if get_origin(annotation) is not Literal:
+        return ""
+    return " One of: " + ", ".join(str(choice) for choice in get_args(annotation)) + "."
+
+
+def _bounds(metadata: list[Any]) -> str:
+    """What the field's limits are, in brackets; nothing without limits."""
+    signs = {"gt": "above", "ge": "from", "lt": "below", "le": "up to"}
+    found = [
+        f"{word} {getattr(item, name):.12g}"
+        for item in metadata
+        for name, word in signs.items()
+        if getattr(item, name, None) is not None
+    ]
+    return f" ({', '.join(found)})" if found else ""

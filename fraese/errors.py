@@ -9,6 +9,7 @@
     ├── Alarm                   the job failed or was stopped          exit 1
     │   ├── SwitchAlarm         contact where none was expected
     │   ├── HomingError         an end that is not found or does not open
+    │   ├── ProbeError          a probe that touches never, or already
     │   └── PortError           the metal is not reachable
     └── Cancelled               the user stopped it                    exit 130
 
@@ -67,6 +68,10 @@ class SwitchAlarm(Alarm):
 
 class HomingError(Alarm):
     """An end was not found, or its switch does not open again."""
+
+
+class ProbeError(Alarm):
+    """A probe never touched, or touched already."""
 
 
 class PortError(Alarm):

@@ -255,7 +255,10 @@ class StepDirCard:
     def _rebuild(self) -> None:
         """The entries of every tick, which depend on the direction bits only."""
         self.fall = (Entry(DATA, self._data),)
-        self._rises = [(Entry(DATA, self._data ^ clocks), *_READING) for clocks in self._clocks]
+        self._rises = [
+            (Entry(DATA, self._data ^ clocks), *_READING) if clocks else _READING
+            for clocks in self._clocks
+        ]
 
     def begin(self, directions: Sequence[int], leader: int) -> Entries:
         """Direction bits of the motors that will move; the others keep theirs."""

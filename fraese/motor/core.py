@@ -185,8 +185,6 @@ class MotorCore:
         """
         self._require_standstill("the queue can only be dropped")
         self._finish(Ended.FLUSH)
-        self._brake_wanted = False
-        self._throttle.reset()
 
     def idle(self, level: IdleLevel) -> None:
         """Set the standstill current.
@@ -215,10 +213,8 @@ class MotorCore:
         self._closed = True
         try:
             self._finish(Ended.STOP)
-            self._write(self._card.set_outputs(~0, 0))
-            self._write(self._card.idle(IdleLevel.OFF))
         finally:
-            self._port.close()
+            self._switch_off()
 
     def poll(self, budget_s: float) -> Report:
         """Play for at most that long, in the core's clock, and say where things stand."""
@@ -532,6 +528,15 @@ class MotorCore:
             self._finish(Ended.WATCH)
         else:
             self._rest_lines()
+
+    def _switch_off(self) -> None:
+        """The last writes, whatever went wrong before them."""
+        try:
+            self._write(self._card.set_outputs(~0, 0))
+            self._write(self._card.idle(IdleLevel.OFF))
+            self._energised = False
+        finally:
+            self._port.close()
 
     def _rest_lines(self) -> None:
         """Clock lines low, ACTIVE and BOOST low, outputs that must be safe off; no time runs."""

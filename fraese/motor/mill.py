@@ -56,7 +56,7 @@ class Rotor:
 
     Attributes:
         field_steps: what the field asked for since the start, unwrapped.
-        position_steps: where the carriage is, from the lower end of its travel.
+        position_steps: where it holds its carriage, from the lower end of the travel.
         low_steps: the mechanical ends of the carriage's way,
         high_steps: a little behind the switches.
         blocked: somebody holds the carriage.
@@ -272,6 +272,7 @@ class Mill:
         overrun_steps: from a switch to the mechanical end behind it.
         lag_s: see ``Contacts``.
         bounce_readings: see ``Contacts``.
+        backlash_steps: how far a rotor turns back before its carriage follows, per motor.
     """
 
     def __init__(
@@ -281,6 +282,7 @@ class Mill:
         overrun_steps: int = 400,
         lag_s: float = 0.0,
         bounce_readings: int = 0,
+        backlash_steps: Sequence[int] = (),
     ) -> None:
         self.travel_steps = tuple(travel_steps)
         self.rotors = [
@@ -288,18 +290,41 @@ class Mill:
             for travel, limit in zip(travel_steps, limits, strict=True)
         ]
         self.contacts = Contacts(lag_s, bounce_readings)
+        self._backlash_steps = tuple(backlash_steps) or (0,) * len(self.rotors)
+        self._has_backlash = any(self._backlash_steps)
+        # Carriage ahead of rotor: between nothing and the backlash.
+        self._slack_steps = [0.0] * len(self.rotors)
         self._by_hand: set[End] = set()
 
     def turn(self, motor: int, delta: float, now_ns: int) -> None:
         """The field of a motor turned."""
         rotor = self.rotors[motor]
-        rotor.turn(delta, now_ns)
-        if not 0 < rotor.position_steps < self.travel_steps[motor] or self.contacts.any_pressed:
+        if self._has_backlash:
+            before_steps = rotor.position_steps
+            rotor.turn(delta, now_ns)
+            self._drag(motor, rotor.position_steps - before_steps)
+        else:
+            rotor.turn(delta, now_ns)
+        position_steps = rotor.position_steps + self._slack_steps[motor]
+        if not 0 < position_steps < self.travel_steps[motor] or self.contacts.any_pressed:
             self.feel(motor, now_ns)
+
+    def _drag(self, motor: int, turned_steps: float) -> None:
+        """The rotor turns within the play before its carriage follows."""
+        slack_steps = self._slack_steps[motor] - turned_steps
+        self._slack_steps[motor] = min(max(slack_steps, 0.0), self._backlash_steps[motor])
+
+    def set_slack(self, slack_steps: Sequence[float]) -> None:
+        """Take up the play as it was left; the carriages stay where they are."""
+        self._slack_steps[:] = slack_steps
+
+    def slack_steps(self) -> tuple[float, ...]:
+        """Carriage ahead of rotor, per motor."""
+        return tuple(self._slack_steps)
 
     def feel(self, motor: int, now_ns: int) -> None:
         """Press or leave the switches of one carriage."""
-        position_steps = self.rotors[motor].position_steps
+        position_steps = self.rotors[motor].position_steps + self._slack_steps[motor]
         for end, at_end in (
             (End(motor, -1), position_steps <= 0),
             (End(motor, 1), position_steps >= self.travel_steps[motor]),
@@ -308,7 +333,10 @@ class Mill:
 
     def carriages_steps(self) -> tuple[float, ...]:
         """Where the carriages are, from the lower switch."""
-        return tuple(rotor.position_steps for rotor in self.rotors)
+        return tuple(
+            rotor.position_steps + slack
+            for rotor, slack in zip(self.rotors, self._slack_steps, strict=True)
+        )
 
     def lost_steps(self) -> tuple[float, ...]:
         """Half-steps that were asked for and not made, per motor."""

@@ -6,7 +6,15 @@ What a jog, a reference run and a move by hand need; a program's moves go throug
 import math
 from dataclasses import dataclass
 
-from fraese.blocks import Block, Outputs, Watch, accel_q_from_hz_s, rate_q8_from_hz
+from fraese.blocks import (
+    CYCLES_PER_S,
+    Q8,
+    Block,
+    Outputs,
+    Watch,
+    accel_q_from_hz_s,
+    rate_q8_from_hz,
+)
 from fraese.machine import Machine, Steps
 from fraese.planner.ramps import trapezoid
 from fraese.planner.segments import start_rate_hz
@@ -38,6 +46,12 @@ class LineLimits:
 def mm_per_tick(weight: int) -> float:
     """Path length of one tick, from a block's weight."""
     return math.sqrt(weight / WEIGHT_PER_MM2)
+
+
+def planned_s(block: Block) -> float:
+    """Duration of a block as planned, to a cycle per tick."""
+    cycles_q8 = sum(p.ticks * (p.interval_q8 + p.last_interval_q8()) for p in block.pieces)
+    return cycles_q8 / (2 * Q8 * CYCLES_PER_S)
 
 
 def line_limits(machine: Machine, delta_steps: Steps) -> LineLimits:

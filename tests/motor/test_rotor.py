@@ -54,6 +54,13 @@ class TestFollows:
         assert bench.wait().lost() == (0, 0, 0)
         assert bench.carriage("x") == report.position_steps[0]
 
+    @pytest.mark.parametrize("ticks", range(20, 60))
+    def test_braking_at_its_limit_is_no_dead_stop(self, ticks: int) -> None:
+        bench = Workbench(limits=LIMITS)
+        law = tuple(trapezoid(ticks, 1190, 5900, 1190, 59_900))
+        bench.run(line(ticks)._replace(pieces=law))
+        assert bench.wait().lost() == (0, 0, 0)
+
     @pytest.mark.parametrize("minor", [*range(1, 40), *range(40, 400, 23), 499, 500, 501, 999])
     def test_uneven_beats_of_minor_axes(self, minor: int) -> None:
         bench = Workbench(limits=LIMITS)

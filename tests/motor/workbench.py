@@ -23,7 +23,7 @@ from fraese.motor.mill import Mill, RotorLimits
 from fraese.motor.phases import LEVEL_MAPS, MOTRUN
 from fraese.motor.ports.recorder import Access, Recorder
 from fraese.motor.ports.sim import Electronics, SimulatedMill, SmcElectronics, StepDirElectronics
-from fraese.motor.seams import CONTROL, DATA, Card, End, Report, SwitchMode
+from fraese.motor.seams import CONTROL, DATA, Card, Clock, End, Report, SwitchMode
 from fraese.motor.switches import SwitchInput
 from fraese.planner.ramps import trapezoid
 
@@ -143,13 +143,16 @@ class Workbench:
     safe_outputs: int = 0
     table: bytes = MOTRUN
     outputs: bool = False
+    #: From a switch to the mechanical end behind it.
+    overrun_steps: int = 400
     travel_steps: int = TRAVEL_STEPS
-    clock: VirtualClock = field(default_factory=VirtualClock)
+    clock: Clock = field(default_factory=VirtualClock)
 
     def __post_init__(self) -> None:
         self.mill = Mill(
             [self.travel_steps] * MOTORS,
             [self.limits] * MOTORS,
+            overrun_steps=self.overrun_steps,
             lag_s=self.lag_s,
             bounce_readings=self.bounce_readings,
         )
@@ -239,6 +242,12 @@ class Workbench:
         self.mill.place(AXES.index(axis), from_low_steps, self.clock.now_ns())
         self._home = self.mill.carriages_steps()
         return self
+
+    def outputs_on(self) -> set[int]:
+        """Free outputs whose pins are high; both are on inverted pins of the control register."""
+        written = [a.value for a in self.accesses() if a.register == CONTROL]
+        bits = (0b0010, 0b1000) if self.wiring == "smc" else (0b0001, 0b0010)
+        return {number for number, bit in enumerate(bits) if not written[-1] & bit}
 
     # --- the wire --------------------------------------------------------------------------------
 

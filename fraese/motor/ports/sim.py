@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple, Protocol
 
 from fraese.motor.mill import Mill
-from fraese.motor.phases import MOTZERO, Currents, currents_of, field_angle
+from fraese.motor.phases import MOTRUN, MOTZERO, Currents, currents_of, field_angle
 from fraese.motor.seams import Clock, End
 
 #: All inputs at rest: bits 3 to 7 read 1, on these cards "no contact".
@@ -46,14 +46,17 @@ class SmcElectronics:
         mill: what the motors move.
         clock: when it happens.
         levels: what the current codes really mean on this card.
+        rest: the byte in whose field the rotors stand at first.
     """
 
-    def __init__(self, mill: Mill, clock: Clock, levels: tuple[int, int, int, int]) -> None:
+    def __init__(
+        self, mill: Mill, clock: Clock, levels: tuple[int, int, int, int], rest: int = MOTRUN[0]
+    ) -> None:
         self._mill = mill
         self._now_ns = clock.now_ns
         self._levels = levels
         self._angle_of = [field_angle(byte, levels) for byte in range(64)]
-        self.angles = [0.0] * len(mill.rotors)
+        self.angles = [self._angle_of[rest & 63] or 0.0] * len(mill.rotors)
         self._latched = [MOTZERO] * len(mill.rotors)
         self._data = 0
         self._control = 0
@@ -113,11 +116,21 @@ class StepDirElectronics:
     Args:
         mill: what the motors move.
         clock: when it happens.
+        clock_idles_high: a step is then the falling edge.
+        forward_high: level of the direction lines for positive steps.
     """
 
-    def __init__(self, mill: Mill, clock: Clock) -> None:
+    def __init__(
+        self,
+        mill: Mill,
+        clock: Clock,
+        clock_idles_high: bool = False,
+        forward_high: bool = True,
+    ) -> None:
         self._mill = mill
         self._now_ns = clock.now_ns
+        # Inverted wiring is turned round at the plug.
+        self._inverted = (0xAA if clock_idles_high else 0) | (0 if forward_high else 0x55)
         self.angles = [0.0] * len(mill.rotors)
         # Pulled up before anybody writes: the first byte is no rising edge.
         self._data = 0xFF
@@ -125,6 +138,7 @@ class StepDirElectronics:
 
     def data(self, value: int) -> None:
         """A rising clock steps its motor."""
+        value ^= self._inverted
         rising = value & ~self._data
         self._data = value
         for motor in range(len(self._mill.rotors)):
@@ -175,6 +189,7 @@ class RotorState(NamedTuple):
     position_steps: float
     lost_steps: float
     field_angle: float
+    slack_steps: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -248,12 +263,15 @@ class SimulatedMill:
         """What stays as it is when everything is switched off."""
         self.look()
         return tuple(
-            RotorState(rotor.position_steps, rotor.lost_steps, angle)
-            for rotor, angle in zip(self.mill.rotors, self.electronics.angles, strict=True)
+            RotorState(rotor.position_steps, rotor.lost_steps, angle, slack)
+            for rotor, angle, slack in zip(
+                self.mill.rotors, self.electronics.angles, self.mill.slack_steps(), strict=True
+            )
         )
 
     def set_states(self, states: Sequence[RotorState]) -> None:
         """Find the machine as it was left."""
+        self.mill.set_slack([state.slack_steps for state in states])
         for motor, state in enumerate(states):
             self.electronics.angles[motor] = state.field_angle
             self.mill.place(motor, state.position_steps, self._clock.now_ns())

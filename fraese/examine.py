@@ -1,0 +1,193 @@
+"""A program looked through without motors: everything but the steps.
+
+Rule 1: the same interpreter and the same planner as for the run; nothing is estimated.
+Rule 2: what leaves the travel is a warning here, with its line; who wants to run the program
+        refuses it.
+Rule 3: memory does not grow with the length of the file.
+"""
+
+import math
+from collections.abc import Generator, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from fraese.blocks import Block
+from fraese.context import ProgramContext
+from fraese.errors import ProgramError
+from fraese.gcode import canon
+from fraese.gcode.extents import arc_extent
+from fraese.machine import Millimetres
+from fraese.motor.seams import Report
+from fraese.planner.lines import planned_s
+from fraese.sources import ProgramSource
+from fraese.translate import Moves, Translation
+
+#: More are counted, not kept.
+_MOST_WARNINGS: Final = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Complaint:
+    """Something wrong, and the line; 0 where no line applies."""
+
+    line: int
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What is known of a program before it runs.
+
+    Attributes:
+        errors: why it is refused; empty: it can run.
+        outside: where it leaves the travel.
+        low_mm: corners of the bounding box of all moves, machine coordinates; None: no moves.
+        high_mm: likewise.
+        duration_s: planned time, pauses and operators left out; 0 if it was not planned.
+        length_mm: way of the tool.
+        lines: lines read.
+        blocks: blocks planned; 0 if it was not planned.
+    """
+
+    errors: tuple[Complaint, ...]
+    outside: tuple[Complaint, ...]
+    low_mm: Millimetres | None
+    high_mm: Millimetres | None
+    duration_s: float
+    length_mm: float
+    lines: int
+    blocks: int
+
+    @property
+    def ok(self) -> bool:
+        """It can be run as far as the language goes."""
+        return not self.errors
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What leaves the travel, in sentences."""
+        return tuple(f"line {item.line}: {item.message}" for item in self.outside)
+
+
+@dataclass
+class Survey:
+    """Sums up moves as they pass."""
+
+    context: ProgramContext
+    low: list[float] = field(default_factory=lambda: [math.inf] * 3)
+    high: list[float] = field(default_factory=lambda: [-math.inf] * 3)
+    length_mm: float = 0.0
+    outside: list[Complaint] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        machine = self.context.machine
+        self._at: canon.Point = self._start()
+        # Half a step beyond a limit still rounds onto it.
+        self._low_mm = [axis.low_mm - axis.step_mm / 2 for axis in machine.axes]
+        self._high_mm = [axis.high_mm + axis.step_mm / 2 for axis in machine.axes]
+
+    def _start(self) -> canon.Point:
+        x_mm, y_mm, z_mm = self.context.machine.to_mm(self.context.start_steps)
+        return (x_mm, y_mm, z_mm)
+
+    def watch(self, moves: Moves) -> Moves:
+        """Pass everything on, both ways."""
+        facts: canon.Facts | None = None
+        kinds = canon.MOTIONS
+        while True:
+            try:
+                move = moves.send(facts)
+            except StopIteration:
+                return
+            if type(move) in kinds:
+                self._take(move)
+            facts = yield move
+
+    def _take(self, move: canon.Move) -> None:
+        if isinstance(move, canon.Arc):
+            low, high, length_mm = arc_extent(self._at, move)
+        else:
+            to = move.to  # type: ignore[union-attr]
+            low = high = to
+            length_mm = math.dist(self._at, to)
+        self._at = move.to  # type: ignore[union-attr]
+        self.length_mm += length_mm
+        for i in range(3):
+            if low[i] < self.low[i]:
+                self.low[i] = low[i]
+                self._check(i, low[i], move.line)
+            if high[i] > self.high[i]:
+                self.high[i] = high[i]
+                self._check(i, high[i], move.line)
+
+    def _check(self, index: int, value_mm: float, line: int) -> None:
+        """A new extreme: is it still inside?"""
+        axis = self.context.machine.axes[index]
+        if len(self.outside) >= _MOST_WARNINGS:
+            return
+        name = axis.name.upper()
+        if self.context.referenced[index]:
+            if not self._low_mm[index] <= value_mm <= self._high_mm[index]:
+                self.outside.append(
+                    Complaint(
+                        line,
+                        f"{name} {value_mm:.3f} mm is outside the travel, {axis.low_mm:g} to"
+                        f" {axis.high_mm:g} mm in machine coordinates.",
+                    )
+                )
+            return
+        at_mm = self._start()[index]
+        span_mm = max(self.high[index], at_mm) - min(self.low[index], at_mm)
+        if span_mm > axis.travel_mm + axis.step_mm:
+            self.outside.append(
+                Complaint(
+                    line,
+                    f"{name} would move over {span_mm:.3f} mm, more than its whole travel of"
+                    f" {axis.travel_mm:g} mm.",
+                )
+            )
+
+
+def examine(path: Path, context: ProgramContext, *, plan: bool = True) -> Facts:
+    """Look a program through.
+
+    Args:
+        path: the file.
+        context: the machine as the program finds it.
+        plan: plan the motion too; else duration and blocks stay 0.
+    """
+    survey = Survey(context)
+    source = ProgramSource(path, context)
+    errors: list[Complaint] = []
+    duration_s, blocks = 0.0, 0
+    try:
+        moves = survey.watch(source.moves())
+        if plan:
+            for block in _planned(Translation(context, None), moves):
+                duration_s += planned_s(block)
+                blocks += 1
+        else:
+            for _ in moves:
+                pass
+    except ProgramError as error:
+        errors.append(Complaint(error.line, error.message))
+    moved = survey.low[0] <= survey.high[0]
+    return Facts(
+        errors=tuple(errors),
+        outside=tuple(survey.outside),
+        low_mm=tuple(survey.low) if moved else None,
+        high_mm=tuple(survey.high) if moved else None,
+        duration_s=duration_s,
+        length_mm=survey.length_mm,
+        lines=source.lines_read,
+        blocks=blocks,
+    )
+
+
+def _planned(translation: Translation, moves: Moves) -> Iterator[Block]:
+    """The blocks of a job that waits for nothing."""
+    job: Generator[object, Report | None, None] = translation.blocks(moves)  # type: ignore[assignment]
+    for demand in job:
+        if isinstance(demand, Block):
+            yield demand

@@ -1,0 +1,185 @@
+"""Canonical moves: what a program means, free of modal state, in millimetres of the machine.
+
+Rule 1  Every position is (x, y, z) in machine millimetres: work offset, G92, rotation and
+        tool length are already in it, the unit of the program no longer matters.
+Rule 2  A move is an immutable fact. Its ``line`` is the 1-based line that caused it.
+Rule 3  Some moves are questions to the outside (``BARRIERS``): whoever consumes the
+        generator answers them with ``send(Facts(...))`` once the machine stands still.
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Literal
+
+Point = tuple[float, float, float]
+Plane = Literal[17, 18, 19]
+
+# The two axes of a plane, in right-handed order, and the third axis it turns about.
+PLANE_AXES: dict[int, tuple[int, int, int]] = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
+
+
+class PathMode(StrEnum):
+    """How corners are treated."""
+
+    EXACT_PATH = "G61"
+    EXACT_STOP = "G61.1"
+    BLEND = "G64"
+
+
+@dataclass(frozen=True, slots=True)
+class Rapid:
+    """Straight to ``to`` as fast as the axes can."""
+
+    line: int
+    to: Point
+
+
+@dataclass(frozen=True, slots=True)
+class Feed:
+    """Straight to ``to``; an inverse time feed is already turned into mm/min."""
+
+    line: int
+    to: Point
+    feed_mm_min: float
+
+
+@dataclass(frozen=True, slots=True)
+class Arc:
+    """A circle, helix or, within the closing tolerance, a slight spiral.
+
+    ``centre`` is given in the order of the plane's axes: G17 (x, y), G18 (z, x), G19 (y, z).
+    ``turns`` is positive counter-clockwise as seen from the positive third axis; 1 reaches
+    the end point for the first time (a full circle where it is the start), 2 goes round
+    once more, and so on. It is never 0.
+    """
+
+    line: int
+    to: Point
+    centre: tuple[float, float]
+    plane: Plane
+    turns: int
+    feed_mm_min: float
+
+
+@dataclass(frozen=True, slots=True)
+class Dwell:
+    """Wait at a standstill."""
+
+    line: int
+    duration_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Probe:
+    """Straight towards ``to`` until the probe closes or opens. A barrier.
+
+    ``until_closed``: G38.2 and G38.3 go towards contact, G38.4 and G38.5 away from it.
+    ``must_touch``: G38.2 and G38.4 are an error where ``to`` is reached without a change.
+    """
+
+    line: int
+    to: Point
+    feed_mm_min: float
+    until_closed: bool
+    must_touch: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Spindle:
+    """Spindle clockwise (+1), counter-clockwise (-1) or off (0), with its speed."""
+
+    line: int
+    direction: Literal[-1, 0, 1]
+    rev_min: float
+
+
+@dataclass(frozen=True, slots=True)
+class Coolant:
+    """State of both coolants from here on."""
+
+    line: int
+    mist: bool
+    flood: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Tool:
+    """M6: the tool with this number goes into the spindle. A barrier."""
+
+    line: int
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """M0, M60, or M1 (``optional``). A barrier."""
+
+    line: int
+    optional: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """Text for the operator, parameters already put in."""
+
+    line: int
+    text: str
+    kind: Literal["msg", "debug", "print"]
+
+
+@dataclass(frozen=True, slots=True)
+class PathControl:
+    """Treatment of corners from here on; the tolerance belongs to G64 P."""
+
+    line: int
+    mode: PathMode
+    tolerance_mm: float
+
+
+@dataclass(frozen=True, slots=True)
+class Overrides:
+    """M48 and M49: whether the operator's override may act."""
+
+    line: int
+    enabled: bool
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """M2, M30, the closing percent sign, or the end of the file."""
+
+    line: int
+
+
+Move = (
+    Rapid
+    | Feed
+    | Arc
+    | Dwell
+    | Probe
+    | Spindle
+    | Coolant
+    | Tool
+    | Pause
+    | Message
+    | PathControl
+    | Overrides
+    | End
+)
+BARRIERS: frozenset[type] = frozenset({Probe, Tool, Pause})
+MOTIONS: frozenset[type] = frozenset({Rapid, Feed, Arc, Probe})
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """The outside's answer to a barrier.
+
+    Args:
+        position_mm: where the machine stands now.
+        touched: whether the probe changed; without meaning for other barriers.
+        contact_mm: where it changed; None means at ``position_mm``.
+    """
+
+    position_mm: Point
+    touched: bool = False
+    contact_mm: Point | None = None

@@ -1,0 +1,159 @@
+"""Plain lists of coordinates: one point a line, driven to in straight lines.
+
+    # unit: mm            a comment; "unit:" followed by mm or inch sets the unit
+    x;y;z;feed            optional: names of the columns, in any order
+    0;0;5;600
+    10,5;0;;              decimal comma where the separator is no comma; an empty cell
+                          leaves that axis, or the feed, as it was
+
+The separator is found in the first line with columns and then holds for the file: semicolon,
+comma, or blanks. Without a header the columns are x, y, z, feed. Coordinates count in the
+active work offset, feeds are in units per minute.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+from typing import Final
+
+from fraese.errors import ProgramError
+from fraese.gcode.canon import End, Feed, Move, Point
+from fraese.gcode.expressions import MAX_VALUE
+from fraese.gcode.offsets import Coordinates
+from fraese.gcode.parameters import Parameters
+from fraese.gcode.setup import Setup
+from fraese.gcode.text import MAX_LINE
+
+UNITS_MM: Final = {"mm": 1.0, "millimetre": 1.0, "millimeter": 1.0, "inch": 25.4, "in": 25.4}
+COLUMNS: Final = ("x", "y", "z", "feed")
+_NAMES: Final = {"x": "x", "y": "y", "z": "z", "f": "feed", "feed": "feed"}
+_UNIT = re.compile(r"\bunits?\s*[:=]\s*([a-z]+)", re.IGNORECASE)
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?")
+_HEADER = re.compile(r"(?:x|y|z|f|feed)(?:[;,\s]+(?:x|y|z|f|feed))*[;,\s]*", re.IGNORECASE)
+_IN_POINTS: Final = frozenset("+-0123456789.,;eE \t")
+
+
+def looks_like_points(lines: Iterable[str]) -> bool:
+    """Whether the first line that says anything is a point or a header of columns."""
+    for text in lines:
+        line = text.strip().removeprefix("\ufeff")
+        if not line or (line.startswith("#") and "=" not in _UNIT.sub("", line)):
+            continue
+        return _is_header(line) or (_IN_POINTS.issuperset(line) and any(map(str.isdigit, line)))
+    return False
+
+
+def read_points(
+    lines: Iterable[str],
+    setup: Setup | None = None,
+    unit: str = "mm",
+    feed_mm_min: float = 0.0,
+) -> Iterator[Move]:
+    """Yield a straight move for every point, and an end.
+
+    Args:
+        lines: the lines of the list.
+        setup: start position and work offsets.
+        unit: unit of the file where it does not say its own, "mm" or "inch".
+        feed_mm_min: feed where the file gives none; 0 for none.
+
+    Raises:
+        ProgramError: a line is no point, or there is no feed.
+    """
+    setup = setup or Setup()
+    reader = _Reader(setup, unit, feed_mm_min)
+    number = 0
+    try:
+        for number, text in enumerate(lines, start=1):
+            yield from reader.line(number, text)
+    except ProgramError as error:
+        if error.line:
+            raise
+        raise ProgramError(error.message, number, setup.file) from error
+    yield End(max(number, 1))
+
+
+class _Reader:
+    """What holds from line to line."""
+
+    def __init__(self, setup: Setup, unit: str, feed_mm_min: float) -> None:
+        self._coordinates = Coordinates(Parameters(setup.parameters))
+        self._at: Point = self._coordinates.to_program(setup.position_mm)
+        self._unit_mm = _unit_mm(unit)
+        self._feed_mm_min = feed_mm_min
+        self._columns: tuple[str, ...] = COLUMNS
+        self._separator: str | None = None
+
+    def line(self, number: int, text: str) -> Iterator[Move]:
+        if len(text) > MAX_LINE:
+            raise ProgramError(f"the line is longer than {MAX_LINE} characters")
+        data, _, comment = text.removeprefix("\ufeff").partition("#")
+        if unit := _UNIT.search(comment):
+            self._unit_mm = _unit_mm(unit.group(1))
+        data = data.strip()
+        if not data:
+            return
+        if self._separator is None:
+            self._separator = _separator(data)
+        if _is_header(data):
+            self._columns = self._header(data)
+            return
+        self._take(data)
+        if self._feed_mm_min <= 0:
+            raise ProgramError("there is no feed: add a feed column, or give a feed for the file")
+        yield Feed(number, self._coordinates.to_machine(self._at), self._feed_mm_min)
+
+    def _cells(self, data: str) -> list[str]:
+        if self._separator == " ":
+            return data.split()
+        return [cell.strip() for cell in data.split(self._separator)]
+
+    def _header(self, data: str) -> tuple[str, ...]:
+        names = [_NAMES.get(cell.lower(), "") for cell in self._cells(data) if cell]
+        if "" in names or len(set(names)) != len(names):
+            raise ProgramError("the header has to name columns out of x, y, z and feed, each once")
+        return tuple(names)
+
+    def _take(self, data: str) -> None:
+        cells = self._cells(data)
+        while cells and not cells[-1]:
+            cells.pop()
+        if len(cells) > len(self._columns):
+            said = ", ".join(self._columns)
+            raise ProgramError(f"{len(cells)} values stand where {said} are expected")
+        values = {
+            name: self._number(cell)
+            for name, cell in zip(self._columns, cells, strict=False)
+            if cell
+        }
+        x, y, z = (
+            values[name] * self._unit_mm if name in values else old
+            for name, old in zip("xyz", self._at, strict=True)
+        )
+        self._at = (x, y, z)
+        if "feed" in values:
+            self._feed_mm_min = values["feed"] * self._unit_mm
+
+    def _number(self, cell: str) -> float:
+        text = cell if self._separator == "," else cell.replace(",", ".")
+        value = float(text) if _NUMBER.fullmatch(text) else MAX_VALUE * 10
+        if not abs(value) <= MAX_VALUE:
+            raise ProgramError(f"{cell[:40]!r} is not a number")
+        return value
+
+
+def _unit_mm(unit: str) -> float:
+    if unit.lower() not in UNITS_MM:
+        raise ProgramError(f"the unit {unit[:20]!r} is unknown; it is mm or inch")
+    return UNITS_MM[unit.lower()]
+
+
+def _is_header(line: str) -> bool:
+    return _HEADER.fullmatch(line) is not None
+
+
+def _separator(line: str) -> str:
+    """Semicolon if there is one; a comma that stands before a blank, or where there is none."""
+    if ";" in line:
+        return ";"
+    commas = "," in line and (re.search(r",\s", line) or not re.search(r"\s", line))
+    return "," if commas else " "

@@ -1,0 +1,184 @@
+"""Codes and what they belong to: modal groups, order of execution, who uses which word.
+
+A code is an integer in tenths: G38.2 is 382. Two codes of one group on one line contradict
+each other. The order in which a line's groups act is the tuple ``ORDER``, as LinuxCNC
+documents it ("order of execution").
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+from fraese.errors import ProgramError
+from fraese.gcode.canon import PathMode, Plane
+
+# group -> codes in tenths
+G_GROUPS: Final[dict[str, tuple[int, ...]]] = {
+    "nonmodal": (40, 100, 280, 281, 300, 301, 520, 530, 920, 921, 922, 923),
+    "motion": (0, 10, 20, 30, 382, 383, 384, 385, 730, 810, 820, 830, 850, 860, 890),
+    "cancel": (800,),
+    "plane": (170, 180, 190),
+    "distance": (900, 910),
+    "arc_distance": (901, 911),
+    "feed_mode": (930, 940),
+    "units": (200, 210),
+    "cutter": (400,),
+    "length": (430, 431, 432, 490),
+    "retract": (980, 990),
+    "system": (540, 550, 560, 570, 580, 590, 591, 592, 593),
+    "path": (610, 611, 640),
+    "spindle_mode": (970,),
+    "lathe": (80,),
+}
+M_GROUPS: Final[dict[str, tuple[int, ...]]] = {
+    "stop": (0, 1, 2, 30, 60),
+    "tool_change": (6, 61),
+    "spindle": (3, 4, 5),
+    "coolant": (7, 8, 9),
+    "override": (48, 49, 50, 51, 52, 53),
+    "state": (70, 71, 72, 73),
+}
+# What a three-axis mill without feedback cannot honour, with the reason that the user reads.
+G_REFUSED: Final[dict[int, str]] = {
+    50: "splines are not supported; approximate them by G1, G2 and G3",
+    51: "splines are not supported; approximate them by G1, G2 and G3",
+    52: "NURBS are not supported; approximate them by G1, G2 and G3",
+    53: "NURBS are not supported; approximate them by G1, G2 and G3",
+    70: "the lathe's diameter mode is not supported on a mill; program radii (G8)",
+    330: "motion synchronised with the spindle needs a spindle encoder, and there is none",
+    331: "rigid tapping needs a spindle encoder, and there is none",
+    410: "cutter compensation is not supported; let the CAM program offset the path",
+    411: "cutter compensation is not supported; let the CAM program offset the path",
+    420: "cutter compensation is not supported; let the CAM program offset the path",
+    421: "cutter compensation is not supported; let the CAM program offset the path",
+    740: "tapping needs a spindle encoder, and there is none",
+    760: "threading needs a spindle encoder, and there is none",
+    840: "tapping needs a spindle encoder, and there is none",
+    870: "back boring needs an oriented spindle, and there is none",
+    880: "boring with manual retract is not supported; use G86 or G89",
+    950: "feed per revolution needs a spindle encoder, and there is none; use G94",
+    960: "constant surface speed is not supported; use G97 and S",
+}
+M_REFUSED: Final[dict[int, str]] = {
+    19: "the spindle cannot be oriented: it has no encoder",
+    98: "subroutine calls by M98 are not supported; use o<name> call",
+    99: "return by M99 is not supported; use o<name> endsub",
+    **dict.fromkeys(range(62, 69), "synchronised inputs and outputs are not supported"),
+}
+G_GROUP: Final = {code: group for group, codes in G_GROUPS.items() for code in codes}
+M_GROUP: Final = {code: group for group, codes in M_GROUPS.items() for code in codes}
+
+# The order in which a line takes effect. Single letters are words, the rest groups.
+ORDER: Final = (
+    "feed_mode",
+    "f",
+    "s",
+    "t",
+    "state",
+    "tool_change",
+    "spindle_mode",
+    "spindle",
+    "coolant",
+    "override",
+    "dwell",
+    "plane",
+    "units",
+    "cutter",
+    "length",
+    "system",
+    "path",
+    "distance",
+    "arc_distance",
+    "retract",
+    "lathe",
+    "nonmodal",
+    "cancel",
+    "motion",
+    "stop",
+)
+
+ARCS: Final = frozenset({20, 30})
+PROBES: Final = frozenset({382, 383, 384, 385})
+CYCLES: Final = frozenset({730, 810, 820, 830, 850, 860, 890})
+# Codes outside the motion group that use X, Y and Z for themselves.
+AXIS_USERS: Final = frozenset({100, 280, 300, 431, 520, 920})
+
+# word -> (codes that use it, how to say so)
+WORD_USERS: Final[dict[str, tuple[frozenset[int], str]]] = {
+    "i": (ARCS, "G2 or G3"),
+    "j": (ARCS, "G2 or G3"),
+    "k": (ARCS, "G2 or G3"),
+    "r": (ARCS | CYCLES | {100}, "an arc, a canned cycle or G10"),
+    "l": (CYCLES | {100}, "a canned cycle or G10"),
+    "q": (frozenset({100, 640, 730, 830, 1061}), "G10, G64, G73, G83 or M61"),
+    "h": (frozenset({430, 432}), "G43"),
+    "p": (
+        ARCS | {40, 100, 640, 820, 860, 890, 1050, 1051, 1052, 1053},
+        "G2, G3, G4, G10, G64, G82, G86, G89 or M50 to M53",
+    ),
+    "$": (frozenset({1003, 1004, 1005, 1051, 970}), "M3, M4, M5, M51 or G97"),
+    "d": (frozenset(), "cutter compensation, which is not supported"),
+    "e": (frozenset(), "any code that is supported"),
+}
+# M-codes get this added where they share a table with G-codes.
+M_OFFSET: Final = 1000
+
+
+def name(code: int) -> str:
+    """The way a person writes a G-code: 382 is ``G38.2``."""
+    whole, tenth = divmod(code, 10)
+    return f"G{whole}.{tenth}" if tenth else f"G{whole}"
+
+
+def g_code(value: float) -> int:
+    """The code of a G word, in tenths.
+
+    Raises:
+        ProgramError: there is no such code, or it is not supported.
+    """
+    code = round(value * 10)
+    if abs(value * 10 - code) > 1e-3 or code not in G_GROUP:
+        if code in G_REFUSED and abs(value * 10 - code) <= 1e-3:
+            raise ProgramError(f"{name(code)} is refused: {G_REFUSED[code]}")
+        raise ProgramError(f"G{value:g} is not a known code")
+    return code
+
+
+def m_code(value: float) -> int:
+    """The code of an M word.
+
+    Raises:
+        ProgramError: there is no such code, or it is not supported.
+    """
+    code = round(value)
+    if abs(value - code) > 1e-4:
+        raise ProgramError(f"M{value:g} is not a known code: M takes a whole number")
+    if code not in M_GROUP:
+        if code in M_REFUSED:
+            raise ProgramError(f"M{code} is refused: {M_REFUSED[code]}")
+        raise ProgramError(f"M{code} is not a known code")
+    return code
+
+
+@dataclass(slots=True)
+class Modal:
+    """What stays in force from line to line; the coordinate systems are kept apart."""
+
+    motion: int | None = None
+    plane: Plane = 17
+    scale_mm: float = 1.0
+    absolute: bool = True
+    arc_absolute: bool = False
+    inverse_time: bool = False
+    feed_mm_min: float = 0.0
+    # the F word as written, which a change of units leaves alone
+    feed_word: float = 0.0
+    spindle: int = 0
+    rev_min: float = 0.0
+    mist: bool = False
+    flood: bool = False
+    tool: int = 0
+    selected_tool: int = 0
+    retract_to_start: bool = False
+    path_mode: PathMode = PathMode.BLEND
+    tolerance_mm: float = 0.0
+    overrides: bool = True

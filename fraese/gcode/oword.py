@@ -1,0 +1,324 @@
+"""O-words: branches and loops.
+
+Control goes from label to label, as in LinuxCNC: a branch that is not taken skips forward
+to the next O-word of the same name, whatever lies between. So a label names one construct;
+using it for a second one is an error.
+
+What must be kept in memory: the body of a loop while it runs, every subroutine that has been
+defined, and, where a subroutine is called before it is defined, the lines in between.
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from fraese.errors import ProgramError
+from fraese.gcode.expressions import Reader, whole
+from fraese.gcode.parameters import ARGUMENTS, Parameters, Scope
+from fraese.gcode.source import Source
+from fraese.gcode.subroutines import Library
+from fraese.gcode.words import plain
+
+MAX_CALLS: Final = 9
+# Longer ones first where one starts like another.
+_KEYWORD = re.compile(
+    r"sub|endsub|call|return|if|elseif|else|endif|endwhile|while|do|endrepeat|repeat"
+    r"|break|continue"
+)
+
+
+class OWord(NamedTuple):
+    """An O-word line: its name, what to do, and the text behind."""
+
+    name: str
+    keyword: str
+    rest: str
+
+
+@dataclass(slots=True)
+class Loop:
+    """A loop that is running; ``place`` is behind its head."""
+
+    head: OWord
+    place: int
+    left: int = 0
+
+
+class Frame:
+    """A running program or subroutine; the program itself has no name."""
+
+    __slots__ = ("labels", "loops", "name", "scope", "source")
+
+    def __init__(self, source: Source, name: str = "", scope: Scope | None = None) -> None:
+        self.source = source
+        self.name = name
+        self.scope = scope
+        self.loops: dict[str, Loop] = {}
+        self.labels: dict[str, int] = {}
+
+
+class Flow:
+    """The way through a program: which line comes next."""
+
+    def __init__(
+        self, source: Source, parameters: Parameters, folders: tuple[Path, ...], max_idle_lines: int
+    ) -> None:
+        self.source = source
+        self.frame = Frame(source)
+        # lines since the last motion, counted where a loop or subroutine is running
+        self.idle_lines = 0
+        self.value = 0.0
+        self.value_returned = 0.0
+        self._callers: list[Frame] = []
+        self._parameters = parameters
+        self._library = Library(source, folders, self._label)
+        self._max_idle_lines = max_idle_lines
+
+    @property
+    def call_level(self) -> int:
+        """How many subroutines are running inside each other."""
+        return len(self._callers)
+
+    def next(self) -> str | None:
+        """The next line, or None at the end of the program.
+
+        Raises:
+            ProgramError: too many lines went by without motion, or a subroutine has no end.
+        """
+        text = self.source.next()
+        frame = self.frame
+        if frame.loops or frame.name:
+            self._count()
+            if text is None and frame.name:
+                raise ProgramError(f"subroutine o<{frame.name}> ends without endsub")
+        return text
+
+    def _count(self) -> None:
+        self.idle_lines += 1
+        if self.idle_lines > self._max_idle_lines:
+            raise ProgramError(
+                f"{self._max_idle_lines} lines went by without motion: this loop never ends"
+            )
+
+    def read(self, text: str) -> OWord:
+        """The O-word on a plain line that starts with O.
+
+        Raises:
+            ProgramError: it is none.
+        """
+        reader = Reader(text, self._parameters, 1)
+        if reader.peek() == "<":
+            name = reader.name()
+        else:
+            name = str(whole(reader.value(), "the number of an O-word"))
+        match = _KEYWORD.match(text, reader.at)
+        if match is None:
+            raise ProgramError(f"o<{name}> needs a known word behind it, such as sub, call or if")
+        return OWord(name, match.group(), text[match.end() :].rstrip("("))
+
+    def do(self, word: OWord) -> None:
+        """Carry out an O-word.
+
+        Raises:
+            ProgramError: it does not fit here.
+        """
+        handler = _HANDLERS.get(word.keyword)
+        if handler is None:
+            raise ProgramError(f"{word.keyword!r} is not known behind an O-word")
+        handler(self, word)
+
+    # Reading what stands behind the keyword
+
+    def _expressions(self, word: OWord) -> list[float]:
+        reader = Reader(word.rest, self._parameters)
+        values = []
+        while reader.peek() == "[":
+            values.append(reader.expression())
+        if reader.peek():
+            raise ProgramError(
+                f"{reader.rest()[:8]!r} cannot stand behind o<{word.name}> {word.keyword}"
+            )
+        return values
+
+    def _number(self, word: OWord) -> float:
+        values = self._expressions(word)
+        if len(values) != 1:
+            raise ProgramError(f"{word.keyword} needs one expression in square brackets")
+        return values[0]
+
+    def _condition(self, word: OWord) -> bool:
+        return self._number(word) != 0
+
+    def _skip(self, word: OWord, *keywords: str) -> OWord:
+        """Go on to the next O-word of the same name with one of these keywords."""
+        line = self.source.line
+        while (text := self.source.next()) is not None:
+            found = self._passed(text)
+            if found is not None and found.name == word.name and found.keyword in keywords:
+                return found
+        said = " or ".join(keywords)
+        raise ProgramError(
+            f"o<{word.name}> {word.keyword} has no {said} before the end of file", line
+        )
+
+    def _passed(self, text: str) -> OWord | None:
+        """The O-word on a line that is only passed over: what is wrong with it is no matter."""
+        if "o" not in text and "O" not in text:
+            return None
+        try:
+            text = plain(text)
+            return self.read(text) if text.startswith("o") else None
+        except ProgramError:
+            return None
+
+    def _label(self, text: str) -> tuple[str, str] | None:
+        found = self._passed(text)
+        return None if found is None else (found.name, found.keyword)
+
+    def _begin(self, word: OWord) -> None:
+        """A label belongs to one line, so that skipping finds the right end."""
+        line = self.source.line
+        first = self.frame.labels.setdefault(word.name, line)
+        if first != line:
+            raise ProgramError(f"label o<{word.name}> is already used in line {first}")
+
+    def _begun(self, word: OWord) -> None:
+        if word.name not in self.frame.labels:
+            raise ProgramError(f"o<{word.name}> {word.keyword} has no beginning")
+
+    # Branches
+
+    def _if(self, word: OWord) -> None:
+        self._begin(word)
+        while not self._condition(word):
+            word = self._skip(word, "elseif", "else", "endif")
+            if word.keyword != "elseif":
+                return
+
+    def _other_branch(self, word: OWord) -> None:
+        """Met behind the branch that was taken: the others are left out."""
+        self._begun(word)
+        self._skip(word, "endif")
+
+    # Loops
+
+    def _while(self, word: OWord) -> None:
+        loop = self.frame.loops.get(word.name)
+        if loop is not None:
+            self._end_of_do(word, loop)
+            return
+        self._begin(word)
+        if self._condition(word):
+            self._enter(word)
+        else:
+            self._skip(word, "endwhile")
+
+    def _do(self, word: OWord) -> None:
+        self._begin(word)
+        self._enter(word)
+
+    def _repeat(self, word: OWord) -> None:
+        self._begin(word)
+        count = round(self._number(word))
+        if count > 0:
+            self._enter(word, count)
+        else:
+            self._skip(word, "endrepeat")
+
+    def _enter(self, word: OWord, left: int = 0) -> None:
+        self.frame.loops[word.name] = Loop(word, self.source.hold(), left)
+
+    def _leave(self, word: OWord) -> None:
+        del self.frame.loops[word.name]
+        self.source.release()
+
+    def _end_of_do(self, word: OWord, loop: Loop) -> None:
+        if loop.head.keyword != "do":
+            raise ProgramError(f"o<{word.name}> while is already running")
+        if self._condition(word):
+            self.source.back(loop.place)
+        else:
+            self._leave(word)
+
+    def _endwhile(self, word: OWord) -> None:
+        loop = self._running(word, "while")
+        if self._condition(loop.head):
+            self.source.back(loop.place)
+        else:
+            self._leave(word)
+
+    def _endrepeat(self, word: OWord) -> None:
+        loop = self._running(word, "repeat")
+        loop.left -= 1
+        if loop.left > 0:
+            self.source.back(loop.place)
+        else:
+            self._leave(word)
+
+    def _running(self, word: OWord, *keywords: str) -> Loop:
+        loop = self.frame.loops.get(word.name)
+        if loop is None or loop.head.keyword not in keywords:
+            said = " or ".join(keywords)
+            raise ProgramError(f"o<{word.name}> {word.keyword} has no {said} to belong to")
+        return loop
+
+    def _break(self, word: OWord) -> None:
+        loop = self._running(word, "while", "do")
+        self._skip(word, "endwhile" if loop.head.keyword == "while" else "while")
+        self._leave(word)
+
+    def _continue(self, word: OWord) -> None:
+        loop = self._running(word, "while", "do")
+        end = self._skip(word, "endwhile" if loop.head.keyword == "while" else "while")
+        self.do(end)
+
+    # Subroutines
+
+    def _sub(self, word: OWord) -> None:
+        if self.frame.name:
+            raise ProgramError(f"o<{word.name}> sub cannot be defined inside a subroutine")
+        self._library.define(word.name, self.source)
+
+    def _call(self, word: OWord) -> None:
+        arguments = self._expressions(word)
+        if len(arguments) > ARGUMENTS:
+            raise ProgramError(f"a call takes at most {ARGUMENTS} arguments")
+        if self.call_level >= MAX_CALLS:
+            raise ProgramError(f"subroutines call each other more than {MAX_CALLS} deep")
+        sub = self._library.find(word.name)
+        scope = self._parameters.enter(arguments)
+        self._callers.append(self.frame)
+        self.source = Source(sub.lines, sub.file, sub.first_line)
+        self.frame = Frame(self.source, word.name, scope)
+
+    def _return(self, word: OWord) -> None:
+        frame = self.frame
+        if frame.scope is None:
+            raise ProgramError(f"o<{word.name}> {word.keyword} stands outside any subroutine")
+        values = self._expressions(word)
+        self.value = values[0] if values else 0.0
+        self.value_returned = float(bool(values))
+        self._parameters.leave(frame.scope)
+        self.frame = self._callers.pop()
+        self.source = self.frame.source
+
+
+_HANDLERS: Final[dict[str, Callable[[Flow, OWord], None]]] = {
+    "if": Flow._if,
+    "elseif": Flow._other_branch,
+    "else": Flow._other_branch,
+    "endif": Flow._begun,
+    "while": Flow._while,
+    "endwhile": Flow._endwhile,
+    "do": Flow._do,
+    "repeat": Flow._repeat,
+    "endrepeat": Flow._endrepeat,
+    "break": Flow._break,
+    "continue": Flow._continue,
+    "sub": Flow._sub,
+    "endsub": Flow._return,
+    "return": Flow._return,
+    "call": Flow._call,
+}

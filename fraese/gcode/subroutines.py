@@ -1,0 +1,117 @@
+"""Where subroutines come from: the program itself, or files of their own."""
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from fraese.errors import ProgramError
+from fraese.gcode.source import Source
+from fraese.gcode.text import read_lines
+
+# A subroutine's body is held in memory; this is far beyond any that a person wrote.
+MAX_BODY: Final = 200_000
+_FILE_NAME = re.compile(r"[a-z0-9_+-][a-z0-9_.+-]*")
+
+
+@dataclass(frozen=True, slots=True)
+class Sub:
+    """A subroutine's lines from behind ``sub`` on, its ``endsub`` included."""
+
+    file: str
+    first_line: int
+    lines: tuple[str, ...]
+
+
+# Name and keyword of the O-word on a line, None where there is none.
+Label = Callable[[str], tuple[str, str] | None]
+
+
+class Library:
+    """All subroutines that are known so far."""
+
+    def __init__(self, program: Source, folders: tuple[Path, ...], label: Label) -> None:
+        self._program = program
+        self._label = label
+        self._folders = folders
+        self._subs: dict[str, Sub] = {}
+
+    def define(self, name: str, source: Source) -> None:
+        """Take in the subroutine whose ``sub`` line was read from the source just now.
+
+        Raises:
+            ProgramError: it is defined twice, or has no end.
+        """
+        if name in self._subs:
+            first = self._subs[name].first_line - 1
+            raise ProgramError(
+                f"o<{name}> sub: the program must not run into a subroutine that is already "
+                f"defined (line {first}); end it with M2 before, or define it once"
+            )
+        self._subs[name] = self._body(name, source)
+
+    def find(self, name: str) -> Sub:
+        """A subroutine by name: known, in a file of its own, or further ahead.
+
+        Raises:
+            ProgramError: there is none.
+        """
+        if name not in self._subs and not self._load(name):
+            self._look_ahead(name)
+        return self._subs[name]
+
+    def _load(self, name: str) -> bool:
+        if _FILE_NAME.fullmatch(name) is None:
+            return False
+        for folder in self._folders:
+            path = folder / f"{name}.ngc"
+            if path.is_file():
+                self._take_all(path)
+                if name not in self._subs:
+                    raise ProgramError(f"{path.name} holds no o<{name}> sub", file=str(path))
+                return True
+        return False
+
+    def _take_all(self, path: Path) -> None:
+        source = Source(read_lines(path), path.name)
+        for found in self._heads(source):
+            self._subs.setdefault(found, self._body(found, source))
+
+    def _look_ahead(self, name: str) -> None:
+        program = self._program
+        place = program.hold()
+        try:
+            for found in self._heads(program):
+                if found == name:
+                    self._subs[name] = self._body(name, program)
+                    return
+        finally:
+            program.back(place)
+            program.release()
+        where = "in the program" + (" or the subroutine folders" if self._folders else "")
+        raise ProgramError(f"o<{name}> call: there is no such subroutine {where}")
+
+    def _heads(self, source: Source) -> Iterator[str]:
+        for text in _lines(source):
+            label = self._label(text)
+            if label is not None and label[1] == "sub":
+                yield label[0]
+
+    def _body(self, name: str, source: Source) -> Sub:
+        first = source.line + 1
+        lines: list[str] = []
+        for text in _lines(source):
+            lines.append(text)
+            if self._label(text) == (name, "endsub"):
+                return Sub(source.file, first, tuple(lines))
+            if len(lines) > MAX_BODY:
+                raise ProgramError(f"o<{name}> sub is longer than {MAX_BODY} lines")
+        raise ProgramError(
+            f"o<{name}> sub has no endsub before the end of file", first - 1, source.file
+        )
+
+
+def _lines(source: Source) -> Iterator[str]:
+    while (text := source.next()) is not None:
+        yield text

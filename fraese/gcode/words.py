@@ -1,0 +1,258 @@
+"""One line of text to one block: its words, codes, comment and parameter settings.
+
+There is one parser. ``_WORDS`` cuts a line into plain words (a letter and a number) and, at
+the first thing that is anything else, the whole rest of the line; the rest's first item is
+then read character by character and the cutting starts anew behind it. So a plain line
+costs one pass of a compiled expression, and an involved one costs what it has to.
+"""
+
+import re
+from typing import Final
+
+from fraese.errors import ProgramError
+from fraese.gcode import modal
+from fraese.gcode.expressions import Reader, number
+from fraese.gcode.modal import AXIS_USERS, CYCLES, M_OFFSET, WORD_USERS
+from fraese.gcode.parameters import Parameters
+
+_WORDS = re.compile(r"([a-z])([-+]?[0-9.]{1,40}(?![0-9.]))|(.+)", re.DOTALL)
+_LINE_NUMBER = re.compile(r"n[0-9]+(?:\.[0-9]*)?")
+# Stands for a comment inside a line, so that what it divides is not joined.
+_MARK: Final = "("
+
+AXES: Final = frozenset("xyz@^")
+OFFSETS: Final = frozenset("ijk")
+LETTERS: Final = frozenset("defhijklpqrstxyz@^$")
+# Words that any block may have; all others need a code that uses them.
+PLAIN: Final = frozenset("fstxyz@^")
+_NO_AXIS: Final = frozenset("abcuvw")
+
+
+class Block:
+    """A line that has been read, every expression in it already evaluated."""
+
+    __slots__ = ("assignments", "codes", "comment", "has_axes", "motion", "words")
+
+    def __init__(self) -> None:
+        self.words: dict[str, float] = {}
+        # group -> code, for all groups but the motions
+        self.codes: dict[str, int] = {}
+        # the motion code on this line, or the one in force where the line needs one
+        self.motion: int | None = None
+        self.has_axes = False
+        self.comment = ""
+        self.assignments: list[tuple[int | str, float]] = []
+
+
+def strip_comments(text: str) -> tuple[str, str]:
+    """Text with every comment replaced by a mark, and the last bracketed comment.
+
+    Raises:
+        ProgramError: a comment is not closed, or holds another.
+    """
+    kept: list[str] = []
+    comment = ""
+    at = 0
+    while True:
+        opening = text.find("(", at)
+        semicolon = text.find(";", at)
+        if semicolon >= 0 and (opening < 0 or semicolon < opening):
+            return "".join((*kept, text[at:semicolon])), comment
+        if opening < 0:
+            return "".join((*kept, text[at:])), comment
+        closing = text.find(")", opening)
+        if closing < 0:
+            raise ProgramError("the comment is not closed: ')' is missing")
+        comment = text[opening + 1 : closing]
+        if "(" in comment:
+            raise ProgramError("a comment must not hold another '('")
+        kept += (text[at:opening], _MARK)
+        at = closing + 1
+
+
+def squeeze(text: str) -> str:
+    """Lower case, without blanks."""
+    return "".join(text.lower().split())
+
+
+def plain(text: str) -> str:
+    """A line as the parser wants it: no block delete, no line number, comments marked.
+
+    Raises:
+        ProgramError: a comment or the line number is malformed.
+    """
+    if "(" in text or ";" in text:
+        text = strip_comments(text)[0]
+    return strip_line_number(squeeze(text).removeprefix("/"))
+
+
+def strip_line_number(text: str) -> str:
+    """Squeezed text without its leading N word.
+
+    Raises:
+        ProgramError: N is not followed by a number.
+    """
+    if not text.startswith("n"):
+        return text
+    match = _LINE_NUMBER.match(text)
+    if match is None:
+        raise ProgramError("N has to be followed by a line number")
+    return text[match.end() :]
+
+
+class BlockReader:
+    """Reads blocks; keeps a memory of spellings of codes, and the parameters."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        self._g_codes: dict[str, tuple[int, str]] = {}
+
+    def read(self, text: str, comment: str = "") -> Block:
+        """Read squeezed text that has neither block delete nor line number.
+
+        Raises:
+            ProgramError: the text is not a line of G-code.
+        """
+        block = Block()
+        block.comment = comment
+        words = block.words
+        while text:
+            rest = ""
+            for letter, digits, rest in _WORDS.findall(text):  # noqa: B007 rest is used below
+                if letter == "g":
+                    self._add_g(block, digits)
+                elif letter in LETTERS and letter not in words:
+                    try:
+                        words[letter] = float(digits)
+                    except ValueError:
+                        raise ProgramError(f"{digits!r} is not a number") from None
+                elif letter:
+                    self._add_word(block, letter, number(digits))
+            text = self._item(block, rest) if rest else ""
+        for key, value in block.assignments:
+            self._assign(key, value)
+        return block
+
+    def _add_g(self, block: Block, digits: str) -> None:
+        known = self._g_codes.get(digits)
+        if known is None:
+            code = modal.g_code(number(digits))
+            known = (code, modal.G_GROUP[code])
+            if len(digits) <= 4:
+                self._g_codes[digits] = known
+        self._add_code(block, *known)
+
+    def _add_code(self, block: Block, code: int, group: str) -> None:
+        if group == "motion":
+            if block.motion is not None:
+                raise ProgramError(_conflict(modal.name(block.motion), modal.name(code)))
+            block.motion = code
+            return
+        if group in block.codes:
+            raise ProgramError(_conflict(modal.name(block.codes[group]), modal.name(code)))
+        block.codes[group] = code
+
+    def _add_m(self, block: Block, value: float) -> None:
+        code = modal.m_code(value)
+        group = modal.M_GROUP[code]
+        if group in block.codes:
+            raise ProgramError(_conflict(f"M{block.codes[group] - M_OFFSET}", f"M{code}"))
+        block.codes[group] = code + M_OFFSET
+
+    def _add_word(self, block: Block, letter: str, value: float) -> None:
+        if letter == "g":
+            code = modal.g_code(value)
+            self._add_code(block, code, modal.G_GROUP[code])
+        elif letter == "m":
+            self._add_m(block, value)
+        elif letter in block.words:
+            raise ProgramError(f"there are two {letter.upper()} words on one line")
+        elif letter in LETTERS:
+            block.words[letter] = value
+        elif letter in _NO_AXIS:
+            raise ProgramError(f"this mill has no axis {letter.upper()}; it has X, Y and Z")
+        else:
+            raise ProgramError(f"{letter.upper()!r} cannot be used here")
+
+    def _item(self, block: Block, text: str) -> str:
+        """Read the first item of ``text`` whatever it is; returns what follows it."""
+        first = text[0]
+        if first == _MARK:
+            return text[1:]
+        reader = Reader(text, self._parameters, 1)
+        if first == "#":
+            reader.at = 0
+            key = reader.parameter_key()
+            reader.take("=", "the parameter")
+            block.assignments.append((key, reader.value()))
+        elif first.isascii() and (first.isalpha() or first in "@^$"):
+            self._add_word(block, first, reader.value())
+        else:
+            raise ProgramError(f"{first!r} cannot be used here")
+        return reader.rest()
+
+    def _assign(self, key: int | str, value: float) -> None:
+        if isinstance(key, int):
+            self._parameters.set(key, value)
+        else:
+            self._parameters.set_name(key, value)
+
+
+def _conflict(one: str, other: str) -> str:
+    if one == other:
+        return f"{one} is given twice on one line"
+    return f"{one} and {other} contradict each other on one line; use two lines"
+
+
+def complete(block: Block, motion: int | None) -> None:
+    """Find the motion that the block asks for, and check that every word has a user.
+
+    Args:
+        block: the block as read; its ``motion`` and ``has_axes`` are set here.
+        motion: modal motion code in force, None after G80.
+
+    Raises:
+        ProgramError: codes contradict each other, or a word has no code that uses it.
+    """
+    words = block.words
+    codes = block.codes
+    has_axes = block.has_axes = not AXES.isdisjoint(words)
+    if codes:
+        has_axes = _shared_axes(block)
+    if block.motion is None and "cancel" not in codes:
+        # The centre alone is enough to go round a full circle once more.
+        circle = motion in modal.ARCS and not OFFSETS.isdisjoint(words)
+        if has_axes or circle:
+            if motion is None:
+                raise ProgramError("axis words need a motion code such as G0 or G1 in force")
+            block.motion = motion
+    if not PLAIN.issuperset(words):
+        _check_words(block)
+
+
+def _shared_axes(block: Block) -> bool:
+    """Whether axis words are there and left for the motion."""
+    codes = block.codes
+    users = [code for code in codes.values() if code in AXIS_USERS]
+    # A tool offset by axis words shares them with the motion; what is non-modal does not.
+    if block.motion is not None:
+        users = [code for code in users if code != 431]
+    if users and block.motion is not None:
+        codes_said = f"{modal.name(users[0])} and {modal.name(block.motion)}"
+        raise ProgramError(f"{codes_said} both use axis words; use two lines")
+    if "cancel" in codes:
+        if block.has_axes and not users and block.motion is None:
+            raise ProgramError("G80 takes no axis words")
+        return False
+    return block.has_axes and not users
+
+
+def _check_words(block: Block) -> None:
+    present = {code for code in (*block.codes.values(), block.motion) if code is not None}
+    for letter in block.words:
+        users = WORD_USERS.get(letter)
+        if users is not None and users[0].isdisjoint(present):
+            raise ProgramError(f"the {letter.upper()} word needs {users[1]} on its line")
+    count = block.words.get("l")
+    if count is not None and block.motion in CYCLES and count < 1:
+        raise ProgramError("a canned cycle cannot be repeated less than once")

@@ -1,0 +1,110 @@
+"""The log (SMCMAIN.LOG): one text file, appended, no ring; off at start.
+
+A line is what the original wrote: module, procedure, place in it, extra text; a time in front.
+It rides on Python's logging, so that a test or another program can listen in its own way.
+
+Rule 1: functions that matter log their entry with parameters and their exit with results: use
+        ``logged``. It costs one comparison while the log is off.
+Rule 2: never from inside a loop over ticks, moves or polls; a long job must not drown in its log.
+"""
+
+import functools
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final, ParamSpec, TypeVar
+
+from fraese.errors import ConfigError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+_LOGGER: Final = logging.getLogger("fraese")
+_LOGGER.setLevel(logging.CRITICAL + 1)
+_LOGGER.addHandler(logging.NullHandler())
+_MAX_VALUE_CHARACTERS: Final = 200
+
+
+def write(module: str, procedure: str, place: str, text: str = "") -> None:
+    """One line: module, procedure, place in the procedure, extra text."""
+    if _LOGGER.isEnabledFor(logging.INFO):
+        _LOGGER.info("%-11s %-22s %-7s %s", module.upper(), procedure, place, text)
+
+
+def logged(function: Callable[P, R]) -> Callable[P, R]:
+    """Log entry with parameters and exit with the result, or with the error."""
+    module = function.__module__.rpartition(".")[2]
+    name = function.__name__
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        if not _LOGGER.isEnabledFor(logging.INFO):
+            return function(*args, **kwargs)
+        write(module, name, "entry", _shown(args[1:], kwargs))
+        try:
+            result = function(*args, **kwargs)
+        except Exception as error:
+            write(module, name, "error", _short(error))
+            raise
+        write(module, name, "exit", "" if result is None else _short(result))
+        return result
+
+    return wrapper
+
+
+def _short(value: object) -> str:
+    text = str(value) if isinstance(value, Exception) else repr(value)
+    cut = text if len(text) <= _MAX_VALUE_CHARACTERS else text[:_MAX_VALUE_CHARACTERS] + "..."
+    return cut.replace("\n", " ")
+
+
+def _shown(args: tuple[Any, ...], kwargs: dict[str, Any]) -> str:
+    named = [f"{key}={_short(value)}" for key, value in kwargs.items()]
+    return ", ".join([_short(arg) for arg in args] + named)
+
+
+class LogFile:
+    """The file, switched on and off at run time.
+
+    Args:
+        path: where it is appended; folders are made when it is first switched on.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._handler: logging.FileHandler | None = None
+
+    @property
+    def is_on(self) -> bool:
+        """Whether lines are being written."""
+        return self._handler is not None
+
+    def switch(self, on: bool) -> None:
+        """On or off; what was written stays.
+
+        Raises:
+            ConfigError: if the file cannot be written.
+        """
+        if on == self.is_on:
+            return
+        if self._handler is not None:
+            write("log", "switch", "exit", "log off")
+            _LOGGER.removeHandler(self._handler)
+            self._handler.close()
+            self._handler = None
+            _LOGGER.setLevel(logging.CRITICAL + 1)
+            return
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            handler = logging.FileHandler(self.path, encoding="utf-8")
+        except OSError as error:
+            raise ConfigError(
+                f"{self.path}: the log cannot be written: {error.strerror}."
+            ) from error
+        handler.setFormatter(
+            logging.Formatter("%(asctime)s.%(msecs)03d %(message)s", "%Y-%m-%d %H:%M:%S")
+        )
+        _LOGGER.addHandler(handler)
+        _LOGGER.setLevel(logging.INFO)
+        self._handler = handler
+        write("log", "switch", "entry", "log on")

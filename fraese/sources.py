@@ -1,0 +1,63 @@
+"""A program file as a source of moves, of whichever kind it is."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from fraese.context import ProgramContext
+from fraese.gcode.coordlist import read_points
+from fraese.gcode.interpreter import Interpreter
+from fraese.gcode.reader import kind_of
+from fraese.gcode.setup import ModalState
+from fraese.gcode.text import read_lines
+from fraese.translate import Moves
+
+
+class ProgramSource:
+    """One reading of one file.
+
+    Args:
+        path: G-code, or a list of coordinates.
+        context: the machine as the program finds it.
+
+    Attributes:
+        lines_read: so far.
+        start_mm: where the machine stands before the first move.
+        default_feed_mm_min: for straight moves that have none.
+    """
+
+    def __init__(self, path: Path, context: ProgramContext) -> None:
+        self._path = path
+        self._context = context
+        self._setup = context.setup(path)
+        self._interpreter = Interpreter(self._setup)
+        self.lines_read = 0
+        self.start_mm = self._setup.position_mm
+        self.default_feed_mm_min = context.config.run.default_feed_mm_min
+
+    def moves(self) -> Moves:
+        """The canonical moves; barriers want an answer.
+
+        Raises:
+            ProgramError: the file cannot be read, or a line is refused.
+        """
+        lines = self._counted(read_lines(self._path, self._setup.file))
+        if kind_of(self._path) == "gcode":
+            return self._interpreter.run(lines)
+        unit = self._context.config.run.list_unit
+        return self._points(lines, unit, self.default_feed_mm_min)
+
+    def _points(self, lines: Iterable[str], unit: str, feed_mm_min: float) -> Moves:
+        yield from read_points(lines, self._setup, unit, feed_mm_min)
+
+    def parameters(self) -> dict[int, float]:
+        """What the program left of the persistent parameters."""
+        return self._interpreter.parameters.persistent()
+
+    def modal_state(self) -> ModalState:
+        """What is in force behind the last line read."""
+        return self._interpreter.modal_state()
+
+    def _counted(self, lines: Iterator[str]) -> Iterator[str]:
+        for line in lines:
+            self.lines_read += 1
+            yield line

@@ -1,0 +1,527 @@
+"""The app: commands in, pictures out.
+
+    key ----action----> worker.submit ----> run loop ----offer----> feed ----> screen
+         \\---stop, hold---> flag (no queue in between)
+
+Rule 1: nothing heavy happens in this thread; the machine's thread posts messages, no more.
+Rule 2: stop and hold do not wait in line behind anything.
+Rule 3: the latest state wins and is drawn at most every ``_FRAME_S``; alarms and refusals are
+        messages of their own, each is shown.
+Rule 4: however the app ends, the worker is closed: the motors are off.
+"""
+
+import asyncio
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any, ClassVar, Final
+
+from textual import events, work
+from textual.actions import SkipAction
+from textual.app import App, SystemCommand
+from textual.binding import Binding, BindingType
+from textual.message import Message
+from textual.screen import Screen
+
+from fraese.controller import Controller
+from fraese.errors import FraeseError
+from fraese.state import MachineState, Status
+from fraese.ui.feed import StateFeed
+from fraese.ui.jogging import Jog, Jogger
+from fraese.ui.keys import COMMANDS, FIRST_WIDTH, WIDTHS, RepeatRule
+from fraese.ui.machine_screen import PICTURES, MachineScreen
+from fraese.ui.programs import OpenProgram, Program, in_words
+from fraese.ui.themes import DARK, LIGHT
+from fraese.worker import Command, Worker
+
+#: Between two redraws.
+_FRAME_S: Final = 0.04
+#: The step loop of a simulated mill shares the interpreter: let it have its turn soon.
+_SWITCH_INTERVAL_S: Final = 0.0005
+_BUSY: Final = "The machine runs: stop it (Esc) or wait for the end of the job; nothing was done."
+
+
+class StateChanged(Message):
+    """There is something to take from the feed."""
+
+
+class Alarmed(Message):
+    """A job ended with an error."""
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__()
+        self.sentence = sentence
+
+
+class Refused(Message):
+    """A command was refused; nothing has moved."""
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__()
+        self.sentence = sentence
+
+
+class Noted(Message):
+    """Something to know."""
+
+    def __init__(self, sentence: str, warning: bool = False) -> None:
+        super().__init__()
+        self.sentence = sentence
+        self.warning = warning
+
+
+def _bindings() -> list[BindingType]:
+    return [
+        Binding(
+            command.keys,
+            command.action,
+            command.footer or command.title,
+            show=bool(command.footer),
+            key_display=command.shown,
+            priority=command.priority,
+        )
+        for command in COMMANDS
+    ]
+
+
+class FraeseApp(App[None]):
+    """The terminal app.
+
+    Args:
+        controller: owned by the app's worker thread until the app has ended, and closed then.
+        open_program: reads a program file; called in a thread of its own.
+        notes: sentences to show at the start.
+        before_motion: called in the machine's thread before every command that moves; what it
+            raises is shown, and nothing moves.
+        program: file to open at the start.
+        machine_name: which machine is driven, such as "simulated mill"; shown in the title.
+        hand: presses (True) or lets go of (False) an end switch of a simulated machine, by name.
+    """
+
+    TITLE = "fraese"
+    CSS_PATH = "fraese.tcss"
+    BINDINGS: ClassVar[list[BindingType]] = _bindings()
+    COMMAND_PALETTE_BINDING = "ctrl+p"
+
+    def __init__(
+        self,
+        controller: Controller,
+        *,
+        open_program: OpenProgram,
+        notes: Sequence[str] = (),
+        before_motion: Callable[[], object] | None = None,
+        program: Path | None = None,
+        machine_name: str = "",
+        hand: Callable[[str, bool], None] | None = None,
+    ) -> None:
+        super().__init__()
+        self._controller = controller
+        self._axes = tuple(axis.name for axis in controller.machine.axes)
+        self._open_program = open_program
+        self._notes = tuple(notes)
+        self._before_motion = before_motion
+        self._first_program = program
+        self._hand = hand
+        self._worker = Worker(
+            controller,
+            on_refusal=lambda sentence: self.post_message(Refused(sentence)),
+            on_idle=self._offer,
+        )
+        self._feed = StateFeed(lambda: self.post_message(StateChanged()))
+        self._jogger = Jogger(controller, self._worker)
+        self._machine = MachineScreen(self._axes, machine_name)
+        self._repeats = RepeatRule()
+        self._width = FIRST_WIDTH
+        self._state = controller.state()
+        self._drawn_at_s = 0.0
+        self._draw_planned = False
+        self._stopping = False
+        self._holding = False
+        self._program: Program | None = None
+        self._program_path = program
+        self._last_go_to: object = None
+        controller.set_display(self._full_display)
+        controller.set_show_pos(self._offer)
+
+    # --- coming and going ----------------------------------------------------------------------
+
+    def get_default_screen(self) -> Screen[Any]:
+        """The machine."""
+        return self._machine
+
+    def on_mount(self) -> None:
+        """First picture, then the machine's thread."""
+        self.register_theme(DARK)
+        self.register_theme(LIGHT)
+        self.theme = DARK.name
+        self._machine.show_width(self._width, 1)
+        self._draw(self._state)
+        sys.setswitchinterval(_SWITCH_INTERVAL_S)
+        self._worker.start()
+        for note in self._notes:
+            self._note(note, warning=True)
+        if self._first_program is not None:
+            self._load(self._first_program)
+
+    def on_unmount(self) -> None:
+        """Motors off."""
+        self._worker.close()
+
+    async def run_async(self, **options: Any) -> None:
+        """As Textual's; on every way out the motors are off."""
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            loop.add_signal_handler(number, self._leave_by_signal, number)
+        try:
+            await super().run_async(**options)
+        finally:
+            self._worker.close()
+
+    def _leave_by_signal(self, number: int) -> None:
+        """The terminal may be gone already: first the machine, then the picture."""
+        self._worker.cancel()
+        self.exit(return_code=128 + number)
+
+    @property
+    def busy(self) -> bool:
+        """The machine's thread has something to do, or there is something left to draw."""
+        return self._worker.busy or self._draw_planned
+
+    # --- from the machine's thread -------------------------------------------------------------
+
+    def _offer(self) -> None:
+        self._feed.offer(self._controller.state())
+
+    def _full_display(self) -> None:
+        state = self._controller.state()
+        self._feed.offer(state)
+        if state.status is Status.ERROR:
+            self.post_message(Alarmed(state.message))
+
+    # --- to the screen -------------------------------------------------------------------------
+
+    def on_state_changed(self) -> None:
+        """Draw now, or when the frame is over."""
+        if self._draw_planned:
+            return
+        wait_s = self._drawn_at_s + _FRAME_S - time.monotonic()
+        if wait_s > 0:
+            self._draw_planned = True
+            self.set_timer(wait_s, self._draw_latest)
+        else:
+            self._draw_latest()
+
+    def _draw_latest(self) -> None:
+        self._draw_planned = False
+        self._drawn_at_s = time.monotonic()
+        state = self._feed.take()
+        if state is not None:
+            self._draw(state)
+
+    def _draw(self, state: MachineState) -> None:
+        before, self._state = self._state, state
+        if state.status is not Status.RUN:
+            self._stopping = self._holding = False
+        if state.message != before.message or state.status is not before.status:
+            self._show_message(state)
+        self._machine.show(state, self._stopping)
+        self._show_on_top(state)
+
+    def _show_message(self, state: MachineState) -> None:
+        error = state.status is Status.ERROR
+        text = state.message + (" Enter acknowledges." if error else "")
+        self._machine.say(text, "-alarm" if error else "")
+
+    def _show_on_top(self, state: MachineState) -> None:
+        """Pages above the main screen that show the machine, and the job's question."""
+        from fraese.ui.dialogs import AskDialog
+        from fraese.ui.switch_screen import SwitchScreen
+
+        top = self.screen
+        if isinstance(top, SwitchScreen):
+            top.show(state)
+        elif isinstance(top, AskDialog):
+            if not state.question:
+                top.dismiss(None)
+        elif state.question:
+            self.push_screen(AskDialog(state.question), self._answered)
+
+    def on_alarmed(self, message: Alarmed) -> None:
+        """The job ended with an error."""
+        self.bell()
+        self.notify(message.sentence, title="Error", severity="error", timeout=10, markup=False)
+
+    def on_refused(self, message: Refused) -> None:
+        """A command was refused."""
+        self._refuse(message.sentence)
+
+    def on_noted(self, message: Noted) -> None:
+        """Something to know."""
+        self._note(message.sentence, message.warning)
+
+    def _refuse(self, sentence: str) -> None:
+        self._machine.say(sentence, "-warn")
+        self.notify(sentence, severity="warning", timeout=5, markup=False)
+
+    def _note(self, sentence: str, warning: bool = False) -> None:
+        self._machine.say(sentence, "-warn" if warning else "")
+        if warning:
+            self.notify(sentence, severity="warning", timeout=8, markup=False)
+
+    # --- keys ----------------------------------------------------------------------------------
+
+    async def on_event(self, event: events.Event) -> None:
+        """Let the repeat rule see every key before anything happens."""
+        if isinstance(event, events.Key) and not event.is_forwarded:
+            self._repeats.press(event.key)
+        await super().on_event(event)
+
+    def forget_repeats(self) -> None:
+        """Something other than a key was used."""
+        self._repeats.press("")
+
+    def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
+        """The palette: every command of the table."""
+        for command in COMMANDS:
+            yield SystemCommand(
+                command.title,
+                f"{command.help} [{command.shown}]",
+                self._from_palette(command.action),
+            )
+
+    def _from_palette(self, action: str) -> Callable[[], object]:
+        async def run() -> None:
+            await self.run_action(action)
+
+        return run
+
+    # --- commands ------------------------------------------------------------------------------
+
+    def _order(self, command: Command, *, moves: bool = True) -> None:
+        """Hand a command to the machine's thread."""
+        before = self._before_motion if moves else None
+
+        def ordered() -> None:
+            if before is not None:
+                before()
+            command()
+
+        if not self._worker.submit(ordered):
+            self._refuse(_BUSY)
+
+    @property
+    def _moving(self) -> bool:
+        return self._controller.status is Status.RUN
+
+    def action_stop_machine(self) -> None:
+        """Brake; the second time while it moves, stop. At standstill the key is free."""
+        moving = self._moving
+        if moving and self._stopping:
+            self._worker.stop()
+        else:
+            self._worker.cancel()
+        self._jogger.forget()
+        self._stopping = moving
+        if not moving:
+            raise SkipAction
+        self._machine.show(self._state, True)
+
+    def action_hold(self) -> None:
+        """Feed hold, or go on."""
+        if not self._moving:
+            return
+        if self._holding or self._state.held:
+            self._controller.resume()
+        else:
+            self._controller.hold()
+        self._holding = not self._holding
+
+    def action_acknowledge(self) -> None:
+        """Take note of an error."""
+        if self._state.status is Status.ERROR:
+            self._order(self._controller.acknowledge, moves=False)
+
+    def action_jog(self, axis: str, sign: int) -> None:
+        """One press."""
+        width_mm = WIDTHS[self._width].mm
+        factor = self._repeats.factor
+        self._machine.show_width(self._width, factor)
+        if width_mm is None:
+            jog = Jog(axis, steps=sign * factor)
+        else:
+            jog = Jog(axis, mm=sign * width_mm)
+        if not self._jogger.press(jog, self._before_motion):
+            self._refuse(_BUSY)
+
+    def action_width(self, by: int) -> None:
+        """The next width, or the one before."""
+        self.action_set_width((self._width + by) % len(WIDTHS))
+
+    def action_set_width(self, index: int) -> None:
+        """This width."""
+        self._width = index
+        self._machine.show_width(index, 1)
+
+    def action_go_to(self) -> None:
+        """Ask where to."""
+        from fraese.ui.dialogs import GoTo, GoToDialog
+
+        last = self._last_go_to if isinstance(self._last_go_to, GoTo) else None
+        self.push_screen(GoToDialog(self._axes, last), self._go_to)
+
+    def _go_to(self, wanted: object) -> None:
+        from fraese.ui.dialogs import From, GoTo
+
+        if not isinstance(wanted, GoTo):
+            return
+        self._last_go_to = wanted
+        self._order(
+            lambda: self._controller.move_to(
+                wanted.target.targets_mm,
+                relative=wanted.counted_from is From.HERE,
+                machine_coordinates=wanted.counted_from is From.MACHINE,
+                feed_mm_min=wanted.target.feed_mm_min,
+            )
+        )
+
+    def action_reference(self) -> None:
+        """Ask which axes."""
+        from fraese.ui.dialogs import ReferenceDialog
+
+        self.push_screen(ReferenceDialog(self._axes), self._reference)
+
+    def _reference(self, wanted: object) -> None:
+        from fraese.ui.dialogs import Reference
+
+        if isinstance(wanted, Reference):
+            self._order(lambda: self._controller.home(wanted.axes, measure=wanted.measure))
+
+    def action_zero(self, axis: str) -> None:
+        """Work zero here, of one axis or (empty) all."""
+        axes = (axis,) if axis else self._axes
+
+        def zero() -> None:
+            before = self._controller.state()
+            self._controller.set_zero(axes)
+            was = " ".join(
+                f"{name.upper()} {before.work_mm[before.axes.index(name)]:.3f}" for name in axes
+            )
+            self.post_message(Noted(f"Work zero set here; this point was {was} mm before."))
+
+        self._order(zero, moves=False)
+
+    def action_ignore(self) -> None:
+        """Contacts stop the motors, or do not."""
+        ignore = not self._state.switch_ignored
+        self._order(lambda: self._controller.ignore_switches(ignore), moves=False)
+
+    def action_log(self) -> None:
+        """Log on or off, also while a job runs."""
+        try:
+            self._controller.switch_log(not self._controller.state().log_on)
+        except FraeseError as error:
+            self._refuse(str(error))
+            return
+        self._offer()
+        log = self._controller.log
+        if log is not None:
+            self._note(f"The log is {'on' if log.is_on else 'off'}: {log.path}")
+
+    def action_switch_test(self) -> None:
+        """Each switch by hand."""
+        from fraese.ui.switch_screen import SwitchScreen
+
+        if self._moving:
+            self._refuse(_BUSY)
+            return
+        self.push_screen(SwitchScreen(self._axes, self._hand))
+        self.call_after_refresh(self._show_on_top, self._state)
+
+    def action_help(self) -> None:
+        """The keys."""
+        from fraese.ui.help_screen import HelpScreen
+
+        self.push_screen(HelpScreen())
+
+    def action_picture(self) -> None:
+        """The next of the three."""
+        at = PICTURES.index(self._machine.picture)
+        self._machine.show_picture(PICTURES[(at + 1) % len(PICTURES)])
+
+    def action_scroll_path(self, pages: int) -> None:
+        """Look elsewhere in the program."""
+        self._machine.scroll_path(pages)
+
+    def action_theme(self) -> None:
+        """Dark or light."""
+        self.theme = LIGHT.name if self.theme == DARK.name else DARK.name
+
+    def action_leave(self) -> None:
+        """Leave, unless the machine runs."""
+        if self._moving:
+            self._refuse("The machine runs: stop it first (Esc), or leave at once with Ctrl+Q.")
+        else:
+            self.exit()
+
+    async def action_quit(self) -> None:
+        """Brake and leave."""
+        self._worker.cancel()
+        self.exit()
+
+    def _answered(self, done: object) -> None:
+        """The job's question: done, or the job is to be stopped."""
+        if done:
+            self._controller.answer()
+        elif self._state.question:
+            self._worker.cancel()
+
+    # --- programs ------------------------------------------------------------------------------
+
+    def action_open(self) -> None:
+        """Ask for a file."""
+        from fraese.ui.dialogs import OpenDialog
+
+        path = self._program_path
+        folder = path.parent if path is not None and path.parent.is_dir() else Path.cwd()
+        self.push_screen(OpenDialog(folder, str(path or "")), self._chosen)
+
+    def _chosen(self, path: Path | None) -> None:
+        if path is not None:
+            self._load(path)
+
+    @work(thread=True, exclusive=True, group="program")
+    def _load(self, path: Path) -> None:
+        """Read the file, which may be long, beside everything else."""
+        try:
+            program = self._open_program(path)
+        except FraeseError as error:
+            self.post_message(Refused(str(error)))
+        else:
+            self.call_from_thread(self._loaded, path, program)
+
+    def _loaded(self, path: Path, program: Program) -> None:
+        if self._moving:
+            self._refuse(_BUSY)
+            return
+        self._program_path, self._program = path, program
+        self._machine.show_program(program.name, program.lines)
+        self._machine.show_picture("path")
+
+        def check() -> None:
+            facts = program.check(self._controller)
+            for warning in facts.warnings:
+                self.post_message(Noted(warning, warning=True))
+            self.post_message(Noted(f"{program.name}: {in_words(facts)}. Start it with s."))
+
+        self._order(check, moves=False)
+
+    def action_start(self) -> None:
+        """Run the program."""
+        program = self._program
+        if program is None:
+            self._refuse("No program is loaded: open one with o.")
+            return
+        self._order(lambda: program.start(self._controller))

@@ -1,0 +1,46 @@
+"""A text that is drawn when it changes, and only then."""
+
+from textual.widgets import Digits, Static
+
+
+class Fact(Static):
+    """A few words; ``show`` costs a comparison while they stay the same."""
+
+    def __init__(
+        self, text: str = "", *, id: str | None = None, classes: str | None = None
+    ) -> None:  # noqa: A002
+        super().__init__(text, id=id, classes=classes, markup=False)
+        self._text = text
+        self._tone = ""
+
+    def show(self, text: str, tone: str = "") -> None:
+        """These words, in this tone: a CSS class such as "-alarm", or none."""
+        if text != self._text:
+            self._text = text
+            self.update(text, layout=False)
+        if tone != self._tone:
+            self.set_classes([*(name for name in self.classes if name != self._tone), tone])
+            self._tone = tone
+
+    @property
+    def text(self) -> str:
+        """What it shows."""
+        return self._text
+
+
+class Number(Digits):
+    """Large digits, right-aligned, drawn when the value changes.
+
+    Args:
+        places: shorter numbers are filled up, so that a new length needs no new layout.
+    """
+
+    def __init__(self, places: int, *, classes: str) -> None:
+        super().__init__("0".rjust(places), classes=classes)
+        self._places = places
+
+    def show(self, text: str) -> None:
+        """This number."""
+        filled = text.rjust(self._places)
+        if filled != self.value:
+            self.update(filled)

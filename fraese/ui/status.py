@@ -1,0 +1,157 @@
+"""State, switch, motors, log, width; the job in hand; the last message."""
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal, Vertical
+
+from fraese.state import JobProgress, MachineState, Status
+from fraese.ui.fact import Fact
+from fraese.ui.keys import WIDTHS
+from fraese.ui.links import Link
+
+_TONES = {
+    "OK": "-good", "RUN": "-run", "HOLD": "-warn", "WAIT": "-warn", "CANCEL": "-warn",
+    "ERROR": "-alarm",
+}  # fmt: skip
+
+
+def status_word(state: MachineState, stopping: bool) -> str:
+    """OK, RUN, CANCEL, ERROR; HOLD and WAIT where a running job stands."""
+    if state.status is not Status.RUN:
+        return state.status.value
+    if stopping:
+        return "CANCEL"
+    if state.question:
+        return "WAIT"
+    return "HOLD" if state.held else "RUN"
+
+
+def switch_words(state: MachineState) -> str:
+    """The end switch with its name; several candidates are a question."""
+    if not state.switch_closed:
+        return "switch open"
+    ends = " or ".join(state.ends)
+    if not ends:
+        return "switch ?"
+    return "switch " + ends + ("?" if len(state.ends) > 1 else "")
+
+
+def clock_words(seconds: float) -> str:
+    """Minutes and seconds, with hours where there are any."""
+    minutes, rest = divmod(int(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
+
+
+class StatusPanel(Vertical):
+    """Two lines: who and what is loaded; how the machine stands.
+
+    Args:
+        machine_name: which machine is driven, such as "simulated mill"; may be empty.
+    """
+
+    def __init__(self, machine_name: str) -> None:
+        super().__init__(id="status")
+        self._title = Fact("fraese" + (f" · {machine_name}" if machine_name else ""), id="title")
+        self._program = Fact("no program", id="program")
+        self._word = Fact("OK", id="word")
+        self._switch = Fact("switch open", id="switch")
+        self._ignored = Fact("", id="ignored")
+        self._feed = Fact("", id="feed")
+        self._motors = Fact("", id="motors")
+        self._log = Fact("", id="log")
+
+    def compose(self) -> ComposeResult:
+        """The two lines."""
+        with Horizontal():
+            yield self._title
+            yield self._program
+        with Horizontal():
+            yield self._word
+            yield self._switch
+            yield self._ignored
+            yield self._feed
+            yield self._motors
+            yield self._log
+
+    def show_program(self, name: str) -> None:
+        """This program is loaded."""
+        self._program.show(name)
+
+    def show(self, state: MachineState, stopping: bool) -> None:
+        """Draw what changed.
+
+        Args:
+            state: how the machine stands.
+            stopping: the operator has pressed stop and it still moves.
+        """
+        word = status_word(state, stopping)
+        self._word.show(word, _TONES[word])
+        self._switch.show(switch_words(state), "-alarm" if state.switch_closed else "-weak")
+        self._ignored.show(
+            "SWITCHES IGNORED" if state.switch_ignored else "",
+            "-alarm" if state.switch_ignored else "",
+        )
+        moving = state.running and state.speed_mm_min > 0
+        self._feed.show(f"{state.speed_mm_min:.0f} mm/min" if moving else "standing")
+        self._motors.show(
+            "motors on" if state.energised else "motors off", "" if state.energised else "-weak"
+        )
+        self._log.show("log on" if state.log_on else "log off", "" if state.log_on else "-weak")
+
+
+class WidthBar(Horizontal):
+    """The jog widths to choose from."""
+
+    def __init__(self) -> None:
+        super().__init__(id="widths")
+        self._links = [
+            Link(f"set_width({index})", str(index + 1), width.label)
+            for index, width in enumerate(WIDTHS)
+        ]
+        self._note = Fact("", id="width-note")
+
+    def compose(self) -> ComposeResult:
+        """Heading, widths, and the factor of the repeat rule."""
+        yield Fact("jog", classes="heading")
+        yield from self._links
+        yield self._note
+
+    def show(self, chosen: int, factor: int) -> None:
+        """Mark the chosen width; the factor at half-step width."""
+        for index, link in enumerate(self._links):
+            link.set_class(index == chosen, "-chosen")
+        self._note.show(f"× {factor}" if factor > 1 and WIDTHS[chosen].mm is None else "", "-warn")
+
+
+class JobLine(Fact):
+    """Progress of the job in hand."""
+
+    def __init__(self) -> None:
+        super().__init__(id="job")
+
+    def show_job(self, state: MachineState) -> None:
+        """Draw what changed; empty between jobs."""
+        running = state.status is Status.RUN and state.job is not None
+        self.show(self._words(state.job) if running and state.job else "")
+
+    def _words(self, job: JobProgress) -> str:
+        parts = [job.name]
+        if job.lines:
+            parts.append(f"line {job.line}/{job.lines}")
+        share = _share(job)
+        if share is not None:
+            parts.append(self._bar(share))
+        time = clock_words(job.elapsed_s)
+        parts.append(f"{time} / {clock_words(job.expected_s)}" if job.expected_s else time)
+        return "  ".join(parts)
+
+    def _bar(self, share: float) -> str:
+        room = min(40, max(8, self.size.width - 60))
+        full = int(share * room)
+        return f"{'█' * full}{'░' * (room - full)} {share:4.0%}"
+
+
+def _share(job: JobProgress) -> float | None:
+    if job.expected_s:
+        return min(1.0, job.elapsed_s / job.expected_s)
+    return min(1.0, job.line / job.lines) if job.lines else None

@@ -1,0 +1,124 @@
+"""The page on which each end switch is pressed by hand and seen."""
+
+from collections.abc import Callable
+
+from textual.app import ComposeResult
+from textual.binding import Binding
+from textual.containers import Vertical
+from textual.screen import ModalScreen
+
+from fraese.state import MachineState
+from fraese.switchtest import SwitchTest
+from fraese.ui.fact import Fact
+from fraese.ui.status import switch_words
+
+Hand = Callable[[str, bool], None]
+
+
+class SwitchRow(Fact):
+    """One switch; a click asks for it."""
+
+    def __init__(self, page: "SwitchScreen", name: str) -> None:
+        super().__init__(id=f"switch-{name}", classes="switch-row")
+        self._page = page
+        self._end_name = name
+
+    def on_click(self) -> None:
+        """Ask for this one."""
+        self._page.ask(self._end_name)
+
+
+class SwitchScreen(ModalScreen[None]):
+    """Asks for one switch after the other; motors stand.
+
+    Args:
+        axes: names.
+        hand: presses (True) and lets go of a switch where the machine is simulated.
+    """
+
+    BINDINGS = [  # noqa: RUF012
+        Binding("escape", "dismiss", show=False),
+        Binding("up", "step(-1)", show=False),
+        Binding("down", "step(1)", show=False),
+        Binding("p", "press", show=False),
+    ]
+
+    def __init__(self, axes: tuple[str, ...], hand: Hand | None = None) -> None:
+        super().__init__()
+        self._test = SwitchTest(axes)
+        self._rows = {name: SwitchRow(self, name) for name in self._test.names}
+        self._hand = hand
+        self._held = ""
+        self._input = Fact("", id="switch-input")
+        self._pins = Fact("", id="switch-pins")
+        self._sentence = Fact("", id="switch-sentence")
+
+    @property
+    def test(self) -> SwitchTest:
+        """How far it is ticked off."""
+        return self._test
+
+    def compose(self) -> ComposeResult:
+        """Heading, switches, input, what to do."""
+        keys = "↑ ↓: ask for another one   Esc: back"
+        if self._hand is not None:
+            keys = "p: press, let go (simulated)   " + keys
+        with Vertical(classes="dialog"):
+            yield Fact("Switch test", classes="dialog-title")
+            yield self._sentence
+            yield from self._rows.values()
+            yield self._input
+            yield self._pins
+            yield Fact(keys, classes="hint")
+
+    def on_mount(self) -> None:
+        """Draw the list."""
+        self._draw()
+
+    def on_unmount(self) -> None:
+        """Take the hand off the switch."""
+        if self._hand is not None and self._held:
+            self._hand(self._held, False)
+
+    def ask(self, name: str) -> None:
+        """Ask for this one."""
+        self._test.ask(name)
+        self._draw()
+
+    def action_step(self, by: int) -> None:
+        """Ask for another one."""
+        self._test.step(by)
+        self._draw()
+
+    def action_press(self) -> None:
+        """The hand at the simulated mill."""
+        if self._hand is None:
+            return
+        if self._held:
+            self._hand(self._held, False)
+            self._held = ""
+        else:
+            self._held = self._test.asked
+            self._hand(self._held, True)
+
+    def show(self, state: MachineState) -> None:
+        """Take the state's reading of the input."""
+        if self._test.look(state.switch_closed):
+            self.app.bell()
+        self._input.show(switch_words(state), "-alarm" if state.switch_closed else "-weak")
+        levels = "  ".join(
+            f"{pin} {'high' if high else 'low'}" for pin, high in sorted(state.inputs.items())
+        )
+        self._pins.show(f"input pins  {levels}")
+        self._draw()
+
+    def _draw(self) -> None:
+        for name, row in self._rows.items():
+            presses = self._test.presses[name]
+            asked = "▶" if name == self._test.asked and not self._test.done else " "
+            times = f"seen {presses} times" if presses > 1 else "seen"
+            row.show(
+                f" {asked} {'✓' if presses else '·'} {name}   {times if presses else 'not yet'}",
+                "-good" if presses else "",
+            )
+        self._sentence.show(self._test.sentence(), "-alarm" if self._test.stuck else "")

@@ -1,0 +1,46 @@
+"""The Clock seam: one suite, every peer."""
+
+from collections.abc import Callable
+
+import pytest
+
+from fraese.motor.clock import MonotonicClock, PacedClock, VirtualClock
+from fraese.motor.seams import Clock
+
+#: Short, because two of the peers really wait.
+WAIT_NS = 500_000
+
+PEERS: dict[str, Callable[[], Clock]] = {
+    "monotonic": MonotonicClock,
+    "virtual": VirtualClock,
+    "paced": PacedClock,
+}
+
+
+@pytest.fixture(params=PEERS)
+def clock(request: pytest.FixtureRequest) -> Clock:
+    return PEERS[request.param]()
+
+
+class TestClockContract:
+    def test_never_goes_back(self, clock: Clock) -> None:
+        seen = [clock.now_ns() for _ in range(50)]
+        clock.wait_until(seen[-1] + WAIT_NS)
+        seen.append(clock.now_ns())
+        clock.wait_until(seen[0])
+        seen.append(clock.now_ns())
+        assert seen == sorted(seen)
+
+    def test_returns_at_the_deadline_or_after_it_with_the_time_then(self, clock: Clock) -> None:
+        deadline_ns = clock.now_ns() + WAIT_NS
+        returned_ns = clock.wait_until(deadline_ns)
+        assert deadline_ns <= returned_ns <= clock.now_ns()
+
+    def test_a_deadline_that_has_passed_is_no_wait(self, clock: Clock) -> None:
+        now_ns = clock.wait_until(clock.now_ns() + WAIT_NS)
+        assert clock.wait_until(now_ns - WAIT_NS) >= now_ns
+        assert clock.wait_until(now_ns) >= now_ns
+
+    def test_time_is_whole_nanoseconds(self, clock: Clock) -> None:
+        assert type(clock.now_ns()) is int
+        assert type(clock.wait_until(clock.now_ns() + 1)) is int

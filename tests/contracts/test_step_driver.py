@@ -1,0 +1,206 @@
+"""The StepDriver seam: one suite, every peer.
+
+A rig is a driver, a clock to wait by, and a look at the carriages.
+"""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pytest
+
+from fraese.blocks import Block, Outputs, dwell
+from fraese.errors import StateError
+from fraese.motor.seams import Ended, IdleLevel, Report, StepDriver, SwitchMode
+from tests.motor.workbench import EVERY_END, TRAVEL_STEPS, Workbench, end, line, steady
+
+CAPACITY = 8
+
+
+@dataclass
+class Rig:
+    driver: StepDriver
+    bench: Workbench
+
+    def run(self, *blocks: Block) -> Report:
+        for block in blocks:
+            assert self.driver.push(block)
+        report = self.driver.poll(0.01)
+        while report.running:
+            report = self.driver.poll(0.01)
+        return report
+
+
+def core_on(wiring: str) -> Rig:
+    bench = Workbench(wiring, capacity=CAPACITY, outputs=True, safe_outputs=0b10)
+    return Rig(bench.core, bench)
+
+
+PEERS: dict[str, Callable[[], Rig]] = {
+    "core on smc": lambda: core_on("smc"),
+    "core on x4step": lambda: core_on("x4step"),
+    "core on paper": lambda: core_on("paper"),
+}
+
+
+@pytest.fixture(params=PEERS)
+def rig(request: pytest.FixtureRequest) -> Rig:
+    return PEERS[request.param]()
+
+
+class TestStepDriverContract:
+    def test_at_first_it_stands_without_current(self, rig: Rig) -> None:
+        report = rig.driver.poll(0)
+        assert report.position_steps == (0, 0, 0)
+        assert report.ended is Ended.NOT
+        states = (report.running, report.held, report.energised, report.switch_closed)
+        assert not any(states)
+        assert (report.free, report.queued, report.due_ns, report.rate_hz) == (CAPACITY, 0, 0, 0)
+
+    def test_says_what_was_done(self, rig: Rig) -> None:
+        report = rig.run(line(500, -200, 3, tag=7), line(-100, 0, 0, tag=9))
+        assert report.position_steps == (400, -200, 3)
+        assert report.travelled_steps == (600, 200, 3)
+        assert report.ended is Ended.TARGET
+        assert (report.playing, report.tag, report.queued) == (2, 9, 0)
+        assert report.energised
+        assert rig.bench.carriages() == (400, -200, 3)
+
+    def test_a_full_queue_takes_nothing(self, rig: Rig) -> None:
+        for _ in range(CAPACITY):
+            assert rig.driver.push(steady(10))
+        assert not rig.driver.push(steady(10))
+        assert rig.driver.poll(0).queued == CAPACITY
+        assert rig.run().position_steps == (10 * CAPACITY, 0, 0)
+
+    def test_plays_no_longer_than_the_budget(self, rig: Rig) -> None:
+        rig.driver.push(steady(1000, rate_hz=1000))
+        rig.driver.poll(0.03)
+        before = rig.driver.poll(0.1).position_steps[0]
+        after = rig.driver.poll(0.1).position_steps[0]
+        assert after - before == pytest.approx(100, abs=1)
+
+    def test_brake_keeps_the_queue_and_resume_goes_on(self, rig: Rig) -> None:
+        rig.driver.push(line(3000))
+        rig.driver.push(line(0, 50))
+        rig.driver.poll(0.3)
+        rig.driver.brake()
+        report = rig.run()
+        assert report.held
+        assert report.queued == 2
+        assert 0 < report.position_steps[0] < 3000
+        assert not report.torn
+        rig.driver.resume()
+        report = rig.run()
+        assert report.position_steps == (3000, 50, 0)
+        assert rig.bench.lost() == (0, 0, 0)
+
+    def test_flush_at_standstill_only(self, rig: Rig) -> None:
+        rig.driver.push(line(3000))
+        rig.driver.poll(0.3)
+        with pytest.raises(StateError):
+            rig.driver.flush()
+        rig.driver.brake()
+        held = rig.run()
+        rig.driver.flush()
+        report = rig.driver.poll(0)
+        assert (report.ended, report.queued, report.held) == (Ended.FLUSH, 0, False)
+        assert report.position_steps == held.position_steps
+
+    def test_stop_drops_the_rest_and_owns_up(self, rig: Rig) -> None:
+        rig.driver.push(line(3000))
+        rig.driver.push(line(100))
+        rig.driver.poll(0.3)
+        rig.driver.stop()
+        report = rig.run()
+        assert (report.ended, report.queued, report.torn) == (Ended.STOP, 0, frozenset({0}))
+        rig.bench.wait()
+        assert rig.bench.carriage("x") + rig.bench.lost()[0] == report.position_steps[0]
+        assert rig.run(line(5)).torn == frozenset()
+
+    def test_brake_and_stop_come_from_any_thread(self, rig: Rig) -> None:
+        for command, ended in ((rig.driver.brake, Ended.NOT), (rig.driver.stop, Ended.STOP)):
+            rig.driver.push(line(3000))
+            rig.driver.poll(0.3)
+            thread = threading.Thread(target=command)
+            thread.start()
+            thread.join()
+            report = rig.run()
+            assert not report.running
+            assert report.ended is ended
+
+    def test_current_is_switched_off_at_standstill_only(self, rig: Rig) -> None:
+        rig.driver.push(line(3000))
+        rig.driver.poll(0.3)
+        with pytest.raises(StateError):
+            rig.driver.idle(IdleLevel.OFF)
+        rig.driver.brake()
+        rig.run()
+        for level in IdleLevel:
+            rig.driver.idle(level)
+            assert not rig.driver.poll(0).energised
+        rig.driver.resume()
+        assert rig.run().position_steps == (3000, 0, 0)
+        assert rig.bench.lost() == (0, 0, 0)
+
+    def test_dwells_take_their_time_and_move_nothing(self, rig: Rig) -> None:
+        rig.run(steady(1))
+        before_ns = rig.bench.clock.now_ns()
+        report = rig.run(dwell(3, 0.345), dwell(3, 0))
+        assert report.position_steps == (1, 0, 0)
+        assert (rig.bench.clock.now_ns() - before_ns) * 1e-9 == pytest.approx(0.345, abs=0.011)
+
+    def test_a_contact_stops_or_is_ignored(self, rig: Rig) -> None:
+        rig.bench.place("x", TRAVEL_STEPS - 30)
+        report = rig.run(steady(100))
+        assert (report.ended, report.candidates) == (Ended.SWITCH, frozenset({end("x+")}))
+        assert 30 <= report.position_steps[0] < 35
+        rig.driver.set_switch_mode(SwitchMode.IGNORE)
+        report = rig.run(steady(-100))
+        assert report.ended is Ended.TARGET
+        assert not report.switch_closed
+
+    def test_a_hand_at_a_switch_is_seen_at_standstill(self, rig: Rig) -> None:
+        rig.bench.simulated.press(end("z-"))
+        for _ in range(3):
+            report = rig.driver.poll(0)
+        assert report.candidates == EVERY_END
+
+    def test_phases_are_told(self, rig: Rig) -> None:
+        phases = rig.run(steady(3, -1)).phases
+        assert len(phases) == 3
+        assert phases != (0, 0, 0)
+        assert rig.run(steady(-3, 1)).phases == (0, 0, 0)
+
+    def test_outputs_change_at_the_first_tick_of_their_block(self, rig: Rig) -> None:
+        rig.driver.set_outputs(0b01, 0b01)
+        assert rig.bench.outputs_on() == {0}
+        rig.driver.push(steady(3, rate_hz=100))
+        rig.driver.push(steady(3, rate_hz=100, outputs=Outputs(0b11, 0b10)))
+        while rig.driver.poll(0.001).position_steps[0] < 3:
+            assert rig.bench.outputs_on() == {0}
+        assert rig.bench.outputs_on() == {0}
+        while rig.driver.poll(0.001).position_steps[0] < 4:
+            assert rig.bench.outputs_on() == {0}
+        assert rig.bench.outputs_on() == {1}
+
+    def test_what_cannot_be_played_is_refused(self, rig: Rig) -> None:
+        good = steady(10)
+        for bad in (
+            good._replace(steps=(10, 0)),
+            good._replace(steps=(9, 0, 0)),
+            good._replace(pieces=()),
+            good._replace(pieces=(good.pieces[0]._replace(interval_q8=255),)),
+            good._replace(pieces=(good.pieces[0]._replace(add_q8=-1_000_000),)),
+        ):
+            with pytest.raises(ValueError, match="a "):
+                rig.driver.push(bad)
+        assert rig.driver.poll(0).queued == 0
+
+    def test_closed_twice_the_motors_are_off(self, rig: Rig) -> None:
+        rig.driver.push(line(3000))
+        rig.driver.poll(0.3)
+        rig.driver.close()
+        mark = rig.bench.mark()
+        rig.driver.close()
+        assert rig.bench.mark() == mark

@@ -1,0 +1,34 @@
+"""Short ways to run a program in a test."""
+
+from typing import Any
+
+from fraese.gcode.canon import Facts, Move
+from fraese.gcode.interpreter import Interpreter, interpret
+from fraese.gcode.setup import Setup
+
+
+def moves(text: str, **setup: Any) -> list[Move]:
+    """All moves of a program whose lines are divided by ``|`` or line ends."""
+    return list(interpret(_lines(text), Setup(**setup)))
+
+
+def answered(text: str, *answers: Facts | None, **setup: Any) -> tuple[list[Move], Interpreter]:
+    """All moves, with answers to its barriers in turn."""
+    interpreter = Interpreter(Setup(**setup))
+    run = interpreter.run(_lines(text))
+    left = list(answers)
+    result: list[Move] = []
+    answer = None
+    try:
+        while True:
+            move = run.send(answer)
+            result.append(move)
+            answer = None
+            if type(move).__name__ in ("Probe", "Tool", "Pause") and left:
+                answer = left.pop(0)
+    except StopIteration:
+        return result, interpreter
+
+
+def _lines(text: str) -> list[str]:
+    return text.replace("|", "\n").splitlines()

@@ -1,0 +1,238 @@
+"""What rs274 says about a program, as events in machine millimetres.
+
+rs274 prints every canonical call in the unit of the program and in its coordinates, to four
+decimals. So this reader follows the calls that set units and offsets, as the machine behind
+the real interpreter does: an offset counts in the unit that is in force when it is set, a
+position is then  rotate(printed + G92) + work offset + tool offset.
+
+rs274 pretends an inch machine: its tool table and parameter file are in inches. Its probe
+stops 0.01 inch short of the target.
+"""
+
+import math
+import re
+import shutil
+import subprocess
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+RS274 = shutil.which("rs274")
+REASON = "rs274 is missing: apt-get install --no-install-recommends linuxcnc-uspace"
+
+Vector = tuple[float, float, float]
+Event = tuple[object, ...]
+
+_CALL = re.compile(r"^\s*\d+ N\S*\s+([A-Z_0-9]+)\((.*)\)$")
+_PLANES = {"CANON_PLANE_XY": 17, "CANON_PLANE_XZ": 18, "CANON_PLANE_YZ": 19}
+_AXES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
+_MODES = {
+    "CANON_EXACT_PATH": "G61",
+    "CANON_EXACT_STOP": "G61.1",
+    "CANON_CONTINUOUS": "G64",
+}
+INCH_MM = 25.4
+# A program that loops for ever is the judge's problem only as long as this.
+TIMEOUT_S = 20.0
+
+
+@dataclass
+class Verdict:
+    """Events in order, and the reason where the program was refused."""
+
+    events: list[Event] = field(default_factory=list)
+    refused: str = ""
+
+
+def judge(
+    text: str,
+    folder: Path,
+    tools: dict[int, float] | None = None,
+    arguments: tuple[str, ...] = (),
+) -> Verdict:
+    """Run a program through rs274; tool lengths in mm."""
+    assert RS274 is not None
+    program = folder / "judged.ngc"
+    program.write_bytes(text.encode("utf-8", "surrogateescape"))
+    table = folder / "judged.tbl"
+    lines = [f"T{n} P{n} Z{length / INCH_MM:.9f}" for n, length in (tools or {}).items()]
+    table.write_text("".join(f"{line}\n" for line in lines))
+    variables = folder / "judged.var"
+    variables.write_text("5161 0\n")
+    done = subprocess.run(
+        [RS274, "-t", str(table), "-v", str(variables), *arguments, "-g", program.name],
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        timeout=TIMEOUT_S,
+        check=False,
+    )
+    verdict = Verdict(list(_Listener().listen(done.stdout.decode("latin-1"))))
+    if done.returncode:
+        said = done.stderr.decode("latin-1").splitlines()
+        verdict.refused = " / ".join(said[1:]) or "refused"
+    return verdict
+
+
+class _Listener:
+    """Follows the canonical calls and says what they mean to the machine."""
+
+    def __init__(self) -> None:
+        self.unit_mm = 1.0
+        self.work: Vector = (0.0, 0.0, 0.0)
+        self.g92: Vector = (0.0, 0.0, 0.0)
+        self.tool: Vector = (0.0, 0.0, 0.0)
+        self.rotation = 0.0
+        self.plane = 17
+        self.feed_mm_min = 0.0
+        self.direction = 0
+        self.rev_min = 0.0
+        self.mist = self.flood = False
+
+    def listen(self, output: str) -> Iterator[Event]:
+        for line in output.splitlines():
+            match = _CALL.match(line)
+            if match is None:
+                yield "message", line.strip()
+                continue
+            name, arguments = match.groups()
+            handler = getattr(self, f"on_{name.lower()}", None)
+            if handler is not None:
+                event = handler(arguments)
+                if event is not None:
+                    yield event
+
+    def _numbers(self, arguments: str) -> list[float]:
+        return [float(part) for part in re.split(r"[,\s]+", arguments) if part]
+
+    def _machine(self, x: float, y: float, z: float) -> Vector:
+        x, y, z = (
+            value * self.unit_mm + offset for value, offset in zip((x, y, z), self.g92, strict=True)
+        )
+        sine, cosine = math.sin(self.rotation), math.cos(self.rotation)
+        x, y = x * cosine - y * sine, x * sine + y * cosine
+        wx, wy, wz = self.work
+        tx, ty, tz = self.tool
+        return x + wx + tx, y + wy + ty, z + wz + tz
+
+    def _lengths(self, values: list[float]) -> Vector:
+        x, y, z = (value * self.unit_mm for value in values[:3])
+        return x, y, z
+
+    # Frames
+
+    def on_use_length_units(self, arguments: str) -> None:
+        self.unit_mm = INCH_MM if "INCHES" in arguments else 1.0
+
+    def on_set_g5x_offset(self, arguments: str) -> None:
+        self.work = self._lengths(self._numbers(arguments)[1:])
+
+    def on_set_g92_offset(self, arguments: str) -> None:
+        self.g92 = self._lengths(self._numbers(arguments))
+
+    def on_set_xy_rotation(self, arguments: str) -> None:
+        self.rotation = math.radians(float(arguments))
+
+    def on_use_tool_length_offset(self, arguments: str) -> None:
+        self.tool = self._lengths(self._numbers(arguments))
+
+    def on_select_plane(self, arguments: str) -> None:
+        self.plane = _PLANES[arguments]
+
+    def on_set_feed_rate(self, arguments: str) -> None:
+        self.feed_mm_min = float(arguments) * self.unit_mm
+
+    # Motion
+
+    def on_straight_traverse(self, arguments: str) -> Event:
+        return "rapid", self._machine(*self._numbers(arguments)[:3])
+
+    def on_straight_feed(self, arguments: str) -> Event:
+        return "feed", self._machine(*self._numbers(arguments)[:3]), self.feed_mm_min
+
+    def on_straight_probe(self, arguments: str) -> Event:
+        return "probe", self._machine(*self._numbers(arguments)[:3]), self.feed_mm_min
+
+    def on_arc_feed(self, arguments: str) -> Event:
+        end1, end2, centre1, centre2, turns, end3 = self._numbers(arguments)[:6]
+        first, second, third = _AXES[self.plane]
+        to = [0.0, 0.0, 0.0]
+        to[first], to[second], to[third] = end1, end2, end3
+        middle = [0.0, 0.0, 0.0]
+        middle[first], middle[second] = centre1, centre2
+        centre = self._machine(*middle)
+        return (
+            "arc",
+            self._machine(*to),
+            (centre[first], centre[second]),
+            self.plane,
+            int(turns),
+            self.feed_mm_min,
+        )
+
+    # The rest
+
+    def on_dwell(self, arguments: str) -> Event:
+        return "dwell", float(arguments)
+
+    def on_set_spindle_speed(self, arguments: str) -> Event | None:
+        self.rev_min = self._numbers(arguments)[1]
+        return self._spindle(self.direction) if self.direction else None
+
+    def on_start_spindle_clockwise(self, arguments: str) -> Event:
+        return self._spindle(1)
+
+    def on_start_spindle_counterclockwise(self, arguments: str) -> Event:
+        return self._spindle(-1)
+
+    def on_stop_spindle_turning(self, arguments: str) -> Event:
+        return self._spindle(0)
+
+    def _spindle(self, direction: int) -> Event:
+        self.direction = direction
+        return "spindle", direction, self.rev_min if direction else 0.0
+
+    def on_mist_on(self, arguments: str) -> Event:
+        self.mist = True
+        return "coolant", self.mist, self.flood
+
+    def on_mist_off(self, arguments: str) -> Event:
+        self.mist = False
+        return "coolant", self.mist, self.flood
+
+    def on_flood_on(self, arguments: str) -> Event:
+        self.flood = True
+        return "coolant", self.mist, self.flood
+
+    def on_flood_off(self, arguments: str) -> Event:
+        self.flood = False
+        return "coolant", self.mist, self.flood
+
+    def on_change_tool(self, arguments: str) -> Event:
+        return "tool", int(arguments)
+
+    def on_program_stop(self, arguments: str) -> Event:
+        return "pause", False
+
+    def on_optional_program_stop(self, arguments: str) -> Event:
+        return "pause", True
+
+    def on_message(self, arguments: str) -> Event:
+        return "message", arguments[1:-1].strip().replace("-0.0000", "0.0000")
+
+    def on_enable_feed_override(self, arguments: str) -> Event:
+        return "overrides", True
+
+    def on_disable_feed_override(self, arguments: str) -> Event:
+        return "overrides", False
+
+    def on_set_motion_control_mode(self, arguments: str) -> Event:
+        mode, *tolerance = arguments.split(", ")
+        blend = _MODES[mode] == "G64"
+        return "path", _MODES[mode], float(tolerance[0]) * self.unit_mm if blend else 0.0
+
+    def on_program_end(self, arguments: str) -> Event:
+        return ("end",)
+
+    def on_finish(self, arguments: str) -> Event:
+        return ("end",)

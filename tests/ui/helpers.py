@@ -1,0 +1,138 @@
+"""The app on a simulated mill, driven by keys."""
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from textual.pilot import Pilot
+
+from fraese.assembly import ClockName, Plant, assemble
+from fraese.config import Config
+from fraese.controller import Controller
+from fraese.errors import ProgramError
+from fraese.jobs import Job
+from fraese.motor.ports.sim import SimulatedMill
+from fraese.motor.seams import End
+from fraese.planner.lines import plan_line
+from fraese.ui import FraeseApp
+from fraese.ui.fact import Fact
+
+_PATIENCE_S = 10.0
+
+
+@dataclass(frozen=True)
+class FakeFacts:
+    low_mm: tuple[float, ...] = (0.0, 0.0, 0.0)
+    high_mm: tuple[float, ...] = (1.0, 1.0, 1.0)
+    duration_s: float = 2.0
+    length_mm: float = 4.0
+    blocks: int = 4
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass
+class FakeProgram:
+    """Moves X to and fro, one line a move."""
+
+    lines: Sequence[str]
+    distance_mm: float = 1.0
+    name: str = "fake.nc"
+    facts: FakeFacts = field(default_factory=FakeFacts)
+    started: int = 0
+
+    def check(self, controller: Controller) -> FakeFacts:
+        return self.facts
+
+    def start(self, controller: Controller) -> None:
+        self.started += 1
+        job = self._job(controller)
+        controller.start(self.name, job, lines=len(self.lines), expected_s=self.facts.duration_s)
+
+    def _job(self, controller: Controller) -> Job:
+        machine = controller.machine
+        step = machine.axes[0].to_steps(self.distance_mm)
+        for number in range(1, len(self.lines) + 1):
+            block = plan_line(machine, (step if number % 2 else -step, 0, 0), 600.0, tag=number)
+            assert block is not None
+            yield block
+
+
+class Bench:
+    """App, mill and pilot of one test."""
+
+    def __init__(self, app: FraeseApp, plant: Plant, pilot: Pilot[None]) -> None:
+        self.app = app
+        self.plant = plant
+        self.pilot = pilot
+        assert isinstance(plant.port, SimulatedMill)
+        self.mill = plant.port
+        self._start_steps = self.mill.look().carriages_steps
+
+    @property
+    def moved_steps(self) -> tuple[float, ...]:
+        """How far the carriages have come from where they stood."""
+        at = self.mill.look().carriages_steps
+        return tuple(a - b for a, b in zip(at, self._start_steps, strict=True))
+
+    def text(self, selector: str) -> str:
+        """What a field of the main screen shows."""
+        return self.app.screen_stack[0].query_one(selector, Fact).text
+
+    async def press(self, *keys: str) -> None:
+        await self.pilot.press(*keys)
+
+    async def type(self, text: str) -> None:
+        await self.pilot.press(*("space" if char == " " else char for char in text))
+
+    async def wait(self, condition: Callable[[], bool]) -> None:
+        """Until it holds."""
+        until = time.monotonic() + _PATIENCE_S
+        while not condition():
+            assert time.monotonic() < until, "this did not come about in time"
+            await self.pilot.pause(0.01)
+
+    async def settled(self) -> None:
+        """Until the machine's thread has nothing to do, and that has been drawn."""
+        await self.wait(lambda: not self.app.busy)
+        await self.pilot.pause(0.12)
+
+    async def jog(self, *keys: str) -> None:
+        for key in keys:
+            await self.press(key)
+            await self.settled()
+
+    def hand(self, name: str, pressed: bool) -> None:
+        end = End("xyz".index(name[0]), 1 if name.endswith("max") else -1)
+        (self.mill.press if pressed else self.mill.let_go)(end)
+
+
+def open_nothing(path: Path) -> FakeProgram:
+    raise ProgramError("cannot be read: there is no such file", file=str(path))
+
+
+@asynccontextmanager
+async def bench(
+    size: tuple[int, int] = (80, 24),
+    clock: ClockName = "virtual",
+    config: Config | None = None,
+    **options: Any,
+) -> AsyncIterator[Bench]:
+    """The app in a terminal of this size."""
+    plant = assemble(config or Config(), clock=clock)
+    options.setdefault("open_program", open_nothing)
+    app = FraeseApp(plant.controller, machine_name="simulated mill", **options)
+    async with app.run_test(size=size) as pilot:
+        yield Bench(app, plant, pilot)
+
+
+def play(scene: Callable[[], Awaitable[None]]) -> None:
+    """Run a coroutine as a plain test."""
+
+    async def run() -> None:
+        await scene()
+
+    asyncio.run(run())

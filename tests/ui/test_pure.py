@@ -1,0 +1,168 @@
+"""The parts of the UI that need no screen."""
+
+import pytest
+
+from fraese.errors import UsageError
+from fraese.state import MachineState, Status
+from fraese.switchtest import SwitchTest
+from fraese.ui.feed import StateFeed
+from fraese.ui.jogging import Jog
+from fraese.ui.keys import COMMANDS, GROUPS, WIDTHS, RepeatRule
+from fraese.ui.position import millimetres
+from fraese.ui.status import clock_words, status_word, switch_words
+from fraese.ui.targets import parse_target
+
+AXES = ("x", "y", "z")
+
+
+def state(**facts: object) -> MachineState:
+    nil = (0.0, 0.0, 0.0)
+    given: dict[str, object] = dict(
+        status=Status.OK, message="", axes=AXES, position_steps=(0, 0, 0), position_mm=nil,
+        work_mm=nil, offset_mm=nil, referenced=(False,) * 3, low_mm=nil, high_mm=nil,
+    ) | facts  # fmt: skip
+    return MachineState(**given)  # type: ignore[arg-type]
+
+
+def test_repeat_rule_counts_single_to_20_then_tenfold() -> None:
+    rule = RepeatRule()
+    factors = []
+    for _ in range(25):
+        rule.press("right")
+        factors.append(rule.factor)
+    assert factors == [1] * 20 + [10] * 5
+
+
+@pytest.mark.parametrize("other", ["left", "w", "escape", "g"])
+def test_only_another_key_resets_the_repeat_rule(other: str) -> None:
+    rule = RepeatRule()
+    for _ in range(30):
+        rule.press("right")
+    rule.press(other)
+    rule.press("right")
+    assert rule.factor == 1
+
+
+def test_every_command_has_its_own_keys_and_a_group() -> None:
+    keys = [key for command in COMMANDS for key in command.keys.split(",")]
+    assert len(keys) == len(set(keys))
+    assert {command.group for command in COMMANDS} == set(GROUPS)
+    assert all(command.help.endswith(".") for command in COMMANDS)
+
+
+def test_widths_reach_from_a_half_step_to_10_mm() -> None:
+    assert [width.mm for width in WIDTHS] == [None, 0.01, 0.1, 1.0, 10.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "targets", "feed"),
+    [
+        ("X10 Y5 Z-1 F300", {"x": 10.0, "y": 5.0, "z": -1.0}, 300.0),
+        ("x.5y-2", {"x": 0.5, "y": -2.0}, None),
+        ("  Z +3. ", {"z": 3.0}, None),
+    ],
+)
+def test_targets(text: str, targets: dict[str, float], feed: float | None) -> None:
+    target = parse_target(text, AXES)
+    assert (target.targets_mm, target.feed_mm_min) == (targets, feed)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "at least one axis"),
+        ("F300", "at least one axis"),
+        ("X1,5", "decimal point"),
+        ("X", '"X" is not'),
+        ("10", '"10" is not'),
+        ("X1 Y1e3", "no axis E"),
+        ("Xnan", '"Xnan" is not'),
+        ("A5", "no axis A"),
+        ("X1 X2", "X is given twice"),
+        ("X1 F0", "above 0"),
+        ("X1 F-5", "above 0"),
+    ],
+)
+def test_bad_targets_are_refused_in_one_sentence(text: str, said: str) -> None:
+    with pytest.raises(UsageError, match=".") as caught:
+        parse_target(text, AXES)
+    sentence = str(caught.value)
+    assert said in sentence
+    assert "\n" not in sentence
+
+
+def test_feed_keeps_the_latest_and_posts_once() -> None:
+    posts: list[int] = []
+    feed = StateFeed(lambda: posts.append(1))
+    for steps in range(5):
+        feed.offer(state(position_steps=(steps, 0, 0)))
+    assert len(posts) == 1
+    taken = feed.take()
+    assert taken is not None
+    assert taken.position_steps == (4, 0, 0)
+    feed.offer(taken)
+    assert len(posts) == 1
+    feed.offer(state())
+    assert len(posts) == 2
+
+
+def test_jogs_of_one_key_merge_up_to_a_bound() -> None:
+    assert Jog("x", steps=1).merged(Jog("x", steps=10), 0.005) == Jog("x", steps=11)
+    assert Jog("x", mm=0.1).merged(Jog("x", mm=0.1), 0.005) == Jog("x", mm=0.2)
+    for other in (Jog("y", steps=1), Jog("x", steps=-1), Jog("x", mm=0.1), Jog("x", steps=200)):
+        assert Jog("x", steps=1).merged(other, 0.005) is None
+    assert Jog("x", mm=10.0).merged(Jog("x", mm=10.0), 0.005) is None
+
+
+def test_words() -> None:
+    assert millimetres(-0.0001) == "0.000"
+    assert clock_words(59.9) == "0:59"
+    assert clock_words(3725) == "1:02:05"
+    assert switch_words(state()) == "switch open"
+    assert switch_words(state(switch_closed=True, ends=("xmax",))) == "switch xmax"
+    both = state(switch_closed=True, ends=("xmax", "ymin"))
+    assert switch_words(both) == "switch xmax or ymin?"
+    run = {"status": Status.RUN}
+    assert status_word(state(**run), False) == "RUN"
+    assert status_word(state(held=True, **run), False) == "HOLD"
+    assert status_word(state(question="Change the tool.", **run), False) == "WAIT"
+    assert status_word(state(held=True, **run), True) == "CANCEL"
+    assert status_word(state(held=True), True) == "OK"
+
+
+def test_switch_test_ticks_off_in_order() -> None:
+    test = SwitchTest(("x", "z"))
+    assert test.names == ("xmin", "xmax", "zmin", "zmax")
+    seen = []
+    for _ in test.names:
+        assert test.look(False) == ""
+        seen.append(test.look(True))
+        assert test.look(True) == ""
+        assert "Let go" in test.sentence()
+    test.look(False)
+    assert seen == ["xmin", "xmax", "zmin", "zmax"]
+    assert test.done
+    assert "All 4" in test.sentence()
+
+
+def test_switch_test_says_when_the_input_is_closed_from_the_start() -> None:
+    test = SwitchTest(("x",))
+    assert test.look(True) == ""
+    assert test.stuck
+    assert "stuck" in test.sentence()
+    test.look(False)
+    assert test.look(True) == "xmin"
+    assert not test.stuck
+
+
+def test_switch_test_asks_for_a_chosen_one() -> None:
+    test = SwitchTest(("x", "y"))
+    test.ask("ymax")
+    test.look(False)
+    assert test.look(True) == "ymax"
+    test.look(False)
+    assert test.asked == "xmin"
+    test.step(-1)
+    assert test.asked == "ymax"
+    with pytest.raises(ValueError, match="is not in"):
+        test.ask("amin")
