@@ -1,8 +1,8 @@
 """The main screen in its three pictures.
 
-    commands    data with commands
-    position    data without commands, position with the way between the limits
-    path        path data with position
+commands    data with commands
+position    data without commands, position with the way between the limits
+path        path data with position
 """
 
 from collections.abc import Sequence
