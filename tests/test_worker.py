@@ -104,7 +104,7 @@ def test_after_a_surprise_the_machine_is_free_again(rig: Rig, late: bool) -> Non
     def job() -> Job:
         yield from [] if late else ()
         raise ZeroDivisionError("oops")
-        yield Block  # type: ignore[unreachable]
+        yield Block
 
     def command() -> None:
         if late:

@@ -175,8 +175,8 @@ class ReferenceDialog(Dialog[Reference]):
 
     BINDINGS = [  # noqa: RUF012
         Binding("enter", "accept", show=False, priority=True),
-        Binding("m", "toggle('measure')", show=False),
-        *(Binding(axis, f"toggle('axis-{axis}')", show=False) for axis in "xyz"),
+        Binding("m", "tick('measure')", show=False),
+        *(Binding(axis, f"tick('axis-{axis}')", show=False) for axis in "xyz"),
     ]
     HEADING = "Reference: run to the end switches"
     YES = "Reference"
@@ -193,7 +193,7 @@ class ReferenceDialog(Dialog[Reference]):
                 yield Tick(axis.upper(), True, id=f"axis-{axis}")
         yield Tick("measure the travel to the other end too", id="measure")
 
-    def action_toggle(self, name: str) -> None:
+    def action_tick(self, name: str) -> None:
         """Tick or untick."""
         self.query_one(f"#{name}", Checkbox).toggle()
 
