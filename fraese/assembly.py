@@ -5,6 +5,7 @@ A new card, port or clock is one class in its room and one row in a table here.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import Final, Literal
 
@@ -19,7 +20,7 @@ from fraese.machine import Machine
 from fraese.motor.cards import STEPDIR_PROFILES, OutputPin, SmcCard, StepDirCard
 from fraese.motor.clock import MonotonicClock, PacedClock, VirtualClock
 from fraese.motor.core import MotorCore
-from fraese.motor.mill import Mill, RotorLimits
+from fraese.motor.mill import TURN_STEPS, Mill, RotorLimits
 from fraese.motor.phases import LEVEL_MAPS, PHASE_TABLES
 from fraese.motor.ports.sim import (
     Electronics,
@@ -120,6 +121,13 @@ ELECTRONICS: Final[Mapping[str, Callable[[Mill, Clock, Config], Electronics]]] =
 }
 
 
+#: What the simulated mill counts in one step of the card: half-steps, pulses.
+_HALF_STEPS: Final[Mapping[str, Callable[[Config], Fraction]]] = {
+    "smc1500": lambda config: Fraction(TURN_STEPS, len(phase_table(config.card.table))),
+    "stepdir": lambda config: Fraction(1),
+}
+
+
 def _simulation(config: Config, machine: Machine, clock: Clock) -> SimulatedMill:
     simulation = config.simulation
     limits = RotorLimits(
@@ -128,13 +136,18 @@ def _simulation(config: Config, machine: Machine, clock: Clock) -> SimulatedMill
         acceleration_hz_s=simulation.acceleration_hz_s,
         snaps_to_pole=simulation.snaps_to_pole,
     )
+    scale = _HALF_STEPS[config.card.kind](config)
     mill = Mill(
-        travel_steps=[axis.to_steps(axis.travel_mm) for axis in machine.axes],
+        travel_steps=[round(axis.to_steps(axis.travel_mm) * scale) for axis in machine.axes],
         limits=[limits] * len(machine.axes),
-        overrun_steps=max(axis.to_steps(simulation.overrun_mm) for axis in machine.axes),
+        overrun_steps=max(
+            round(axis.to_steps(simulation.overrun_mm) * scale) for axis in machine.axes
+        ),
         lag_s=simulation.lag_ms / 1000,
         bounce_readings=simulation.bounce_readings,
-        backlash_steps=[axis.to_steps(simulation.backlash_mm) for axis in machine.axes],
+        backlash_steps=[
+            round(axis.to_steps(simulation.backlash_mm) * scale) for axis in machine.axes
+        ],
     )
     mask = INPUT_PINS[config.switches.pin][0]
     wiring = Wiring(mask, mask if config.switches.closed_reads else 0)
@@ -197,7 +210,7 @@ class Plant:
         also = {
             "simulation": simulation,
             "moving": moving,
-            "steps_per_mm": _ratios(self.controller.machine),
+            "axes": _meaning(self.config, self.controller.machine),
         }
         self.journal.save(self.controller.keep().model_copy(update=also))
 
@@ -212,8 +225,14 @@ def state_folder() -> Path:
     return Path(platformdirs.user_state_dir("fraese"))
 
 
-def _ratios(machine: Machine) -> tuple[str, ...]:
-    return tuple(str(axis.steps_per_mm) for axis in machine.axes)
+def _meaning(config: Config, machine: Machine) -> tuple[str, ...]:
+    """What steps, phases and slack are counted in: a word per axis."""
+    table = config.card.table if config.card.kind == "smc1500" else ""
+    return tuple(
+        f"{config.card.kind} {table} {axis.steps_per_mm} {axis.motor_sign} {axis.home_sign}"
+        f" {axis.low_mm} {axis.high_mm} {axis.backlash_steps}"
+        for axis in machine.axes
+    )
 
 
 def assemble(
@@ -242,7 +261,7 @@ def assemble(
     journal = Journal(state) if state is not None else None
     notes = []
     kept = journal.load(len(machine.axes)) if journal is not None and not fresh else None
-    if kept is not None and kept.steps_per_mm != _ratios(machine):
+    if kept is not None and kept.axes != _meaning(config, machine):
         notes.append("The axes were configured otherwise before: the old position is forgotten.")
         kept = None
     if kept is not None:

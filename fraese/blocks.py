@@ -143,7 +143,8 @@ def steps_done(total_steps: int, ticks: int, done: int) -> int:
 def remainder(block: Block, done: int) -> Block:
     """What is left of a block after ``done`` of its ticks, as a block of its own.
 
-    The same steps in all; the minor axes' beat begins anew. Watch and outputs have had their time.
+    The same steps in all; the minor axes' beat begins anew. It goes on watching; outputs have
+    had their time.
 
     Raises:
         ValueError: if nothing is left.
@@ -162,7 +163,7 @@ def remainder(block: Block, done: int) -> Block:
         (1 if n > 0 else -1) * (abs(n) - steps_done(abs(n), ticks, done)) if n else 0
         for n in block.steps
     )
-    return block._replace(steps=left, pieces=tuple(pieces), watch=None, outputs=None)
+    return block._replace(steps=left, pieces=tuple(pieces), outputs=None)
 
 
 def accel_q_from_hz_s(acceleration_hz_s: float) -> int:

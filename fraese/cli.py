@@ -92,21 +92,29 @@ def _command(
 
 def _leave(action: Callable[[], int], as_json: bool = False) -> None:
     """Leave with an exit code; whatever is refused is one sentence."""
+    code = 0
     try:
-        code = action()
-    except FraeseError as error:
-        code = refuse(error, as_json=as_json)
-    except KeyboardInterrupt:
-        code = Cancelled.exit_code
+        code = _carried_out(action, as_json)
+        sys.stdout.flush()
     except BrokenPipeError:
-        # Whoever read the output has seen enough.
+        # Whoever read the output has seen enough; what was done was done.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        code = 0
+    raise typer.Exit(code)
+
+
+def _carried_out(action: Callable[[], int], as_json: bool) -> int:
+    try:
+        return action()
+    except FraeseError as error:
+        return refuse(error, as_json=as_json)
+    except (KeyboardInterrupt, typer.Abort):
+        return refuse(Cancelled("Cancelled before anything moved."), as_json=as_json)
+    except BrokenPipeError:
+        raise
     except Exception as error:
         write("cli", action.__qualname__, "error", traceback.format_exc())
         note(f"fraese: stopped by an error in the program itself: {error!r}.")
-        code = 1
-    raise typer.Exit(code)
+        return 1
 
 
 # --- the app -----------------------------------------------------------------------------------
@@ -124,6 +132,10 @@ def start(
 ) -> None:
     """Without a command, start the app."""
     if context.invoked_subcommand is not None:
+        # What was said in front of the command holds for it.
+        given = {"config": config, "state": state, "fresh": fresh or None}
+        given = {name: value for name, value in given.items() if value is not None}
+        context.default_map = {context.invoked_subcommand: {**given, "check": given}}
         return
 
     def go() -> int:
@@ -185,10 +197,10 @@ def run(
         if from_line > 1:
             _announce(program.way_from(controller, from_line), yes)
         context = controller.program_context()
+        program.start(controller, facts, from_line=from_line)
         if not all(context.referenced):
             percent = context.config.run.unreferenced_percent
             note(f"The machine is not referenced: running at {percent:g} % of its rates.")
-        program.start(controller, facts, from_line=from_line)
 
     _command(action, config, as_json, state, fresh, real_time)
 
@@ -243,8 +255,11 @@ def jog(
     """Move one axis a little way."""
 
     def action(controller: Controller) -> None:
-        ((name, distance_mm),) = axis_words([axis + distance]).items()
-        controller.jog(name, distance_mm)
+        words = axis_words([axis + distance])
+        if len(words) > 1:
+            raise UsageError(f'"{axis} {distance}": a jog is of one axis, as in jog X 1.5.')
+        for name, distance_mm in words.items():
+            controller.jog(name, distance_mm)
 
     _command(action, config, as_json, state, fresh, real_time)
 
@@ -357,7 +372,6 @@ def check(
     """Look a program through: everything but the motors."""
 
     def go() -> int:
-        open_program(file)
         plant = assemble(configuration.load(config), state=state or state_folder(), fresh=fresh)
         facts = examine(file, plant.controller.program_context())
         plant.controller.close()
@@ -447,13 +461,18 @@ def config_check(config: ConfigOption = None) -> None:
 @config_app.command("schema")
 def config_schema() -> None:
     """Print the JSON schema of the configuration, for editors."""
-    print(json.dumps(configuration.schema(), indent=2))
+    _leave(lambda: _printed(json.dumps(configuration.schema(), indent=2) + "\n"))
 
 
 @config_app.command("default")
 def config_default() -> None:
     """Print a configuration file with every key at its default."""
-    print(configuration.annotated(), end="")
+    _leave(lambda: _printed(configuration.annotated()))
+
+
+def _printed(text: str) -> int:
+    print(text, end="")
+    return 0
 
 
 def main() -> None:

@@ -8,6 +8,7 @@ Rule 4: what is found first is used: the file named by the user, ``fraese.toml``
 """
 
 import os
+import re
 import tomllib
 from decimal import Decimal
 from fractions import Fraction
@@ -22,11 +23,19 @@ from fraese.errors import ConfigError
 
 FILE_NAME = "fraese.toml"
 AXIS_NAMES = ("x", "y", "z")
+_GEAR = re.compile(r"[0-9]{1,9}(\.[0-9]{1,9})?|[0-9]{1,9}/[0-9]{1,9}")
+_TOOL = re.compile(r"[0-9]{1,9}")
+#: Travel of an axis; the upper bound is what counters of 32 bits hold with room to spare.
+_FEWEST_STEPS = 10
+_MOST_STEPS = 1_000_000_000
+#: Values in messages are cut behind this many characters.
+_SHOWN_CHARACTERS = 60
 AxisName = Literal["x", "y", "z"]
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Band = tuple[Positive, Positive]
+_SCALARS = (int, float, str, Decimal)
 
 
 class Section(BaseModel):
@@ -50,6 +59,7 @@ class AxisConfig(Section):
         Decimal("2"),
         gt=0,
         le=1000,
+        decimal_places=9,
         description=("Way of the carriage in one turn of the spindle, mm."),
     )
     gear: str = Field(
@@ -59,7 +69,11 @@ class AxisConfig(Section):
         ),
     )
     travel_mm: Decimal = Field(
-        Decimal("300"), gt=0, le=100_000, description=("Way from one end switch to the other, mm.")
+        Decimal("300"),
+        gt=0,
+        le=100_000,
+        decimal_places=9,
+        description=("Way from one end switch to the other, mm."),
     )
     inverted: bool = Field(
         False, description=("Whether the motor turns the other way round for positive moves.")
@@ -86,6 +100,7 @@ class AxisConfig(Section):
         Decimal("0"),
         ge=0,
         le=10,
+        decimal_places=9,
         description=("Way that is lost when the axis turns round, mm; made up for with steps."),
     )
     avoid_hz: tuple[Band, ...] = Field(
@@ -101,11 +116,10 @@ class AxisConfig(Section):
     @classmethod
     def _ratio(cls, value: Any) -> str:
         text = str(value).replace(":", "/").replace(" ", "")
-        try:
-            if Fraction(text) <= 0:
-                raise ValueError
-        except (ValueError, ZeroDivisionError):
-            raise ValueError('must be a positive number or ratio such as "5/2"') from None
+        if not _GEAR.fullmatch(text) or not any(map(Fraction, text.split("/"))):
+            raise ValueError('must be a positive number or ratio such as "5/2"')
+        if "/" in text and not Fraction(text.partition("/")[2]):
+            raise ValueError('must be a positive number or ratio such as "5/2"')
         return text
 
     @field_validator("avoid_hz")
@@ -412,12 +426,14 @@ class ToolConfig(Section):
 class ProbeConfig(Section):
     """The probe of G38.2 to G38.5."""
 
-    pin: Literal[10, 11, 12, 13, 15] = Field(
-        11,
-        description="DB25 pin of the status register; 11 is shared with the end switches.",
+    pin: Literal[10, 11, 12, 13, 15] | None = Field(
+        None,
+        description=(
+            "DB25 pin of the status register; without one the probe shares the end switches' input."
+        ),
     )
     closed_reads: Literal[0, 1] = Field(
-        0, description="How the pin's register bit reads with contact."
+        0, description="How the register bit of a pin of its own reads with contact."
     )
 
 
@@ -483,19 +499,28 @@ class Config(Section):
     @classmethod
     def _numbered(cls, value: dict[str, ToolConfig]) -> dict[str, ToolConfig]:
         for key in value:
-            if not key.isdecimal():
+            if not _TOOL.fullmatch(key):
                 raise ValueError(f'tools are named by number, as in [tools.1]; "{key}" is none')
         return value
 
     @model_validator(mode="after")
     def _fits_together(self) -> "Config":
         for name in AXIS_NAMES:
-            travel_mm = float(getattr(self.axes, name).travel_mm)
-            if travel_mm <= 2 * self.homing.pull_off_mm:
+            travel_mm = getattr(self.axes, name).travel_mm
+            usable_mm = Fraction(travel_mm) - 2 * Fraction(self.homing.pull_off_mm)
+            if usable_mm <= 0:
                 raise ValueError(
                     f"homing.pull_off_mm ({self.homing.pull_off_mm:g}) leaves nothing of"
                     f" axes.{name}.travel_mm ({travel_mm:g})"
                 )
+            steps = usable_mm * getattr(self.axes, name).steps_per_mm()
+            if not _FEWEST_STEPS <= steps <= _MOST_STEPS:
+                raise ValueError(
+                    f"steps_per_rev, gear and pitch_mm of axes.{name} give its travel"
+                    f" {float(steps):.3g} steps; it must be {_FEWEST_STEPS} to {_MOST_STEPS}"
+                )
+        self._check_safe_z()
+        self._check_probe()
         taken = {"smc1500": {1}, "stepdir": {16, 17}}[self.card.kind]
         for name, output in self.outputs:
             if output is None:
@@ -506,6 +531,24 @@ class Config(Section):
                 )
             taken.add(output.pin)
         return self
+
+    def _check_safe_z(self) -> None:
+        z, safe_mm = self.axes.z, self.run.safe_z_mm
+        usable_mm = float(z.travel_mm) - 2 * self.homing.pull_off_mm
+        low_mm = 0 if z.home_end == "min" else -usable_mm
+        if safe_mm is not None and not low_mm <= safe_mm <= low_mm + usable_mm:
+            raise ValueError(
+                f"run.safe_z_mm ({safe_mm:g}) is outside the travel of Z,"
+                f" {low_mm:g} to {low_mm + usable_mm:g} mm in machine coordinates"
+            )
+
+    def _check_probe(self) -> None:
+        probe, switches = self.probe, self.switches
+        if probe.pin == switches.pin and probe.closed_reads != switches.closed_reads:
+            raise ValueError(
+                f"probe.closed_reads ({probe.closed_reads}) differs from switches.closed_reads"
+                f" ({switches.closed_reads}), on the same pin; leave out probe.pin"
+            )
 
 
 def find_file(named: Path | None = None) -> Path | None:
@@ -529,17 +572,18 @@ def load(named: Path | None = None) -> Config:
         ConfigError: one sentence with file, key and what would be right.
     """
     path = find_file(named)
-    if path is None:
-        return Config()
+    return Config() if path is None else from_table(_read(path), str(path))
+
+
+def _read(path: Path) -> dict[str, Any]:
     try:
-        raw = tomllib.loads(path.read_bytes().decode("utf-8"), parse_float=Decimal)
+        return tomllib.loads(path.read_bytes().decode("utf-8"), parse_float=Decimal)
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {os.strerror(error.errno or 0)}.") from error
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: is not a text file in UTF-8.") from error
     except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{path}: is not valid TOML: {error}.") from error
-    return from_table(raw, str(path))
 
 
 def from_table(raw: dict[str, Any], place: str) -> Config:
@@ -566,16 +610,24 @@ def _sentence(error: ValidationError) -> str:
     else:
         said = first["msg"].removeprefix("Value error, ").removesuffix(".")
         given = first["input"]
-        shown = f", not {given}" if isinstance(given, int | float | str | Decimal) else ""
+        shown = f", not {_short(given)}" if isinstance(given, _SCALARS) else ""
         text = f"{key}: {said}{shown}" if key else said
     more = len(complaints) - 1
     return text + (f" (and {more} more)" if more else "") + "."
+
+
+def _short(value: object) -> str:
+    """A value on one line of bounded length."""
+    text = " ".join(str(value).split())
+    return text if len(text) <= _SHOWN_CHARACTERS else text[:_SHOWN_CHARACTERS] + "..."
 
 
 def _section_at(location: tuple[int | str, ...]) -> type[Section] | None:
     """The model behind a dotted place in the file."""
     section: Any = Config
     for part in location:
+        if section is ToolConfig:
+            break  # the number of a tool: its keys are those of every tool
         field = section.model_fields.get(part)
         if field is None:
             return None
@@ -595,16 +647,25 @@ def write_key(path: Path, section: str, key: str, value: Any) -> None:
     """Change one key in a file, comments kept; the result is checked before it is written.
 
     Raises:
-        ConfigError: if the file would not be valid afterwards; it is left as it was.
+        ConfigError: if the file would not be valid afterwards, or cannot be written; it is left as
+            it was.
     """
-    document = tomlkit.parse(path.read_text("utf-8")) if path.is_file() else tomlkit.document()
+    document = tomlkit.document()
+    if path.is_file():
+        _read(path)
+        document = tomlkit.parse(path.read_text("utf-8"))
     table: Any = document
     for part in section.split("."):
         table = table.setdefault(part, tomlkit.table())
     table[key] = value
     text = tomlkit.dumps(document)
     from_table(tomllib.loads(text, parse_float=Decimal), str(path))
-    path.write_text(text, "utf-8")
+    try:
+        fresh = path.with_name(f"{path.name}.{os.getpid()}.new")
+        fresh.write_text(text, "utf-8")
+        fresh.replace(path)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be written: {error.strerror}.") from error
 
 
 def annotated() -> str:
@@ -627,15 +688,14 @@ def _annotate(section: Section, path: str, lines: list[str]) -> None:
             tables.append((key, value))
             continue
         lines.append(f"# {field.description}{_choices(field.annotation)}{_bounds(field.metadata)}")
-        lines.append(_entry(key, value, path))
+        lines.append(_entry(key, value, field.annotation))
     for key, value in tables:
         _annotate(value, f"{path}.{key}" if path else key, lines)
 
 
-def _entry(key: str, value: Any, path: str) -> str:
+def _entry(key: str, value: Any, annotation: Any) -> str:
     if value is None:
-        example = "-2.0" if key.endswith("_mm") else "{ pin = 14, active_high = true }"
-        return f"#{key} = {example}"
+        return f"#{key} = {_example(annotation)}"
     if isinstance(value, dict):
         return f"#[{key}.1]\n#length_mm = 0.0\n#diameter_mm = 3.0"
     if isinstance(value, Decimal):
@@ -643,10 +703,24 @@ def _entry(key: str, value: Any, path: str) -> str:
     return f"{key} = {tomlkit.item(value).as_string()}"
 
 
+def _example(annotation: Any) -> str:
+    """A value for a key that has none by default."""
+    if choices := _literals(annotation):
+        return str(choices[-1])
+    return "-2.0" if float in get_args(annotation) else "{ pin = 14, active_high = true }"
+
+
+def _literals(annotation: Any) -> tuple[Any, ...]:
+    """What a field may be, if that is a list; also one that may be left out."""
+    for option in (annotation, *get_args(annotation)):
+        if get_origin(option) is Literal:
+            return get_args(option)
+    return ()
+
+
 def _choices(annotation: Any) -> str:
-    if get_origin(annotation) is not Literal:
-        return ""
-    return " One of: " + ", ".join(str(choice) for choice in get_args(annotation)) + "."
+    choices = ", ".join(str(choice) for choice in _literals(annotation))
+    return f" One of: {choices}." if choices else ""
 
 
 def _bounds(metadata: list[Any]) -> str:

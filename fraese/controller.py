@@ -29,7 +29,8 @@ from fraese.errors import FraeseError, LimitError, StateError, SwitchAlarm
 from fraese.jobs import Job
 from fraese.journal import Kept
 from fraese.log import LogFile, logged
-from fraese.machine import Axis, Machine, Steps
+from fraese.log import write as log_line
+from fraese.machine import Axis, Machine, Millimetres, Steps
 from fraese.motor.seams import Clock, End, IdleLevel, Report, StepDriver, SwitchMode
 from fraese.offsets import WorkOffsets
 from fraese.planner.backlash import Carriages, take_up
@@ -107,7 +108,9 @@ class Controller:
         driver.set_switch_mode(self._switch_mode)
         braking_s = max(axis.max_rate_hz / axis.acceleration_hz_s for axis in machine.axes)
         lead_s = max(config.run.lead_s, braking_s + 2 * slice_s)
+        self._slice_ns = round(slice_s * _NS_PER_S)
         self._runner = Runner(driver, self._carriages, lead_s, slice_s)
+        self._runner.look_around(config.switches.readings)
 
     # --- callbacks -----------------------------------------------------------------------------
 
@@ -168,14 +171,20 @@ class Controller:
         """Work off what was commanded; returns the status in which it ended."""
         if self._status is not Status.RUN:
             return self._status
+        log_line("controller", "run", "entry", self._progress.name if self._progress else "")
         self._display()
-        while self._status is Status.RUN:
-            self._status = self._activate()
-            self._break_key()
-            self._show_pos()
+        try:
+            while self._status is Status.RUN:
+                self._status = self._activate()
+                self._break_key()
+                self._show_pos()
+        except BaseException as error:
+            self._give_up(error)
+            raise
         self._conclude()
         self._display()
         self._halt_motors()
+        log_line("controller", "run", "exit", f"{self._status.value} {self.where()}")
         return self._status
 
     def idle(self, elapsed_s: float = 0.0) -> None:
@@ -193,8 +202,9 @@ class Controller:
             self._runner.look()
 
     def close(self) -> None:
-        """Motors off, port given back (FraesEnd)."""
+        """Motors off, port given back, log off (FraesEnd)."""
         self._driver.close()
+        self.switch_log(False)
 
     def start(
         self,
@@ -234,7 +244,16 @@ class Controller:
         status = self._runner.activate()
         for motor in self._runner.report.torn:
             self._referenced[motor] = False
+        if status is Status.RUN and self._runner.waits:
+            # Nothing passes the time for us: the driver has nothing to play.
+            self._clock.wait_until(self._clock.now_ns() + self._slice_ns)
         return status
+
+    def _give_up(self, error: BaseException) -> None:
+        """Something was raised that no job raises: the job is over, the motors stop."""
+        self._runner.abandon()
+        self._status = Status.ERROR
+        self._message = f"Stopped by an error: {error!r}."
 
     def _conclude(self) -> None:
         """Say how the job ended."""
@@ -304,7 +323,7 @@ class Controller:
         target = list(here)
         target[index] += distance_steps
         if clamp and self._referenced[index]:
-            low, high = self._limits_steps(self.machine.axes[index])
+            low, high = self._limits_steps(index)
             target[index] = min(max(target[index], low), high)
             if target[index] == here[index]:
                 raise LimitError(f"{axis.upper()} stands at its soft limit.")
@@ -339,13 +358,13 @@ class Controller:
         for name, value_mm in targets_mm.items():
             index = self.machine.index(name)
             axis = self.machine.axes[index]
-            if not math.isfinite(value_mm):
-                raise LimitError(f"{name.upper()} needs a number in mm, not {value_mm}.")
+            self._require_finite(axis, value_mm)
             if relative:
                 value_mm += axis.to_mm(here[index])
             elif not machine_coordinates:
                 value_mm += self.offset_mm[index]
             target[index] = axis.to_steps(value_mm)
+        self._require_feed(feed_mm_min)
         self.check_moves([tuple(target)])
         delta = tuple(to - at for to, at in zip(target, here, strict=True))
         self.start("move", self.line(delta, feed_mm_min))
@@ -361,11 +380,10 @@ class Controller:
             StateError: if the machine is not ready.
         """
         targets = [
-            self.machine.to_steps(
-                tuple(mm + offset for mm, offset in zip(point, self.offset_mm, strict=True))
-            )
+            self._targets(tuple(mm + by for mm, by in zip(point, self.offset_mm, strict=True)))
             for point in points_mm
         ]
+        self._require_feed(feed_mm_min)
         self.check_moves(targets)
         self.start("curve", self._curve(targets, feed_mm_min), lines=len(targets))
 
@@ -437,7 +455,7 @@ class Controller:
             LimitError: if a point is outside the travel; nothing has moved then.
             StateError: if the machine is not ready.
         """
-        targets = [self.machine.to_steps(tuple(point)) for point in points_mm]
+        targets = [self._targets(tuple(point)) for point in points_mm]
         self.check_moves(targets)
         self.start(name, self._curve(targets, None), lines=len(targets))
 
@@ -483,6 +501,14 @@ class Controller:
         """Steps made since the start, both directions added, per axis."""
         return self._runner.report.travelled_steps
 
+    def blocks_pushed(self) -> int:
+        """Blocks of the present job given to the driver so far."""
+        return self._runner.blocks
+
+    def blocks_finished(self) -> int:
+        """Blocks of the present job that were played to their end, the one in hand left out."""
+        return self._runner.finished
+
     def is_referenced(self, axis: str) -> bool:
         """Whether an axis was referenced and nothing has shaken that since."""
         return self._referenced[self.machine.index(axis)]
@@ -527,6 +553,7 @@ class Controller:
         self._carriages.slack_steps = kept.slack_steps
         self.offsets.replace(kept.parameters)
         self._referenced = list(kept.referenced)
+        self._runner.look()
 
     # --- limits --------------------------------------------------------------------------------
 
@@ -547,7 +574,7 @@ class Controller:
         for index, axis in enumerate(self.machine.axes):
             if target[index] == here[index]:
                 continue
-            low, high = self._limits_steps(axis)
+            low, high = self._limits_steps(index)
             if self._referenced[index]:
                 if not low <= target[index] <= high:
                     raise LimitError(self._outside(axis, target[index]))
@@ -570,9 +597,10 @@ class Controller:
             f" {axis.low_mm:g} to {axis.high_mm:g} mm in machine coordinates{work}."
         )
 
-    @staticmethod
-    def _limits_steps(axis: Axis) -> tuple[int, int]:
-        return axis.to_steps(axis.low_mm), axis.to_steps(axis.high_mm)
+    def _limits_steps(self, index: int) -> tuple[int, int]:
+        """Soft limits; an axis that stands beyond one may come back, but not go further."""
+        axis, here = self.machine.axes[index], self.position_steps()[index]
+        return min(axis.to_steps(axis.low_mm), here), max(axis.to_steps(axis.high_mm), here)
 
     # --- end switches --------------------------------------------------------------------------
 
@@ -584,8 +612,10 @@ class Controller:
         return Watch(mask, mask if bit_set else 0, action)
 
     def probe_watch(self, *, closed: bool, action: WatchAction) -> Watch:
-        """A watch on the probe input."""
+        """A watch on the probe input; without a pin of its own that is the end switches'."""
         probe = self.config.probe
+        if probe.pin is None:
+            return self.switch_watch(closed=closed, action=action)
         mask = INPUT_PINS[probe.pin][0]
         return Watch(mask, mask if bool(probe.closed_reads) == closed else 0, action)
 
@@ -597,15 +627,23 @@ class Controller:
     def ends(self) -> frozenset[End]:
         """Ends that the present contact may be, in axis directions.
 
-        What a referenced position excludes is left out, unless that leaves nothing.
+        What a referenced position excludes is left out. If that leaves nothing, nobody moved into
+        an end, and it is any of those that the position allows.
         """
         axes = self.machine.axes
         candidates = frozenset(
             End(end.motor, end.sign * axes[end.motor].motor_sign)
             for end in self._runner.report.candidates
         )
-        possible = frozenset(end for end in candidates if self._is_near(end))
-        return possible or candidates
+        if not candidates:
+            return candidates
+        near = frozenset(
+            end
+            for motor in range(len(axes))
+            for end in (End(motor, -1), End(motor, 1))
+            if self._is_near(end)
+        )
+        return candidates & near or near or candidates
 
     def _is_near(self, end: End) -> bool:
         if not self._referenced[end.motor]:
@@ -613,7 +651,8 @@ class Controller:
         axis = self.machine.axes[end.motor]
         limit_mm = axis.high_mm if end.sign > 0 else axis.low_mm
         reach_mm = 2 * self.config.homing.pull_off_mm
-        at_mm = axis.to_mm(self.position_steps()[end.motor])
+        # As last reported: this is asked from other threads too.
+        at_mm = axis.to_mm(self._runner.seen_steps[end.motor])
         return (limit_mm - at_mm) * end.sign < reach_mm
 
     def end_name(self, end: End) -> str:
@@ -687,6 +726,21 @@ class Controller:
         for block in self.line_blocks(delta, feed_mm_min, watch):
             yield block
 
+    def _targets(self, point_mm: Millimetres) -> Steps:
+        for axis, mm in zip(self.machine.axes, point_mm, strict=True):
+            self._require_finite(axis, mm)
+        return self.machine.to_steps(point_mm)
+
+    @staticmethod
+    def _require_finite(axis: Axis, value_mm: float) -> None:
+        if not math.isfinite(value_mm):
+            raise LimitError(f"{axis.name.upper()} needs a number in mm, not {value_mm}.")
+
+    @staticmethod
+    def _require_feed(feed_mm_min: float | None) -> None:
+        if feed_mm_min is not None and not feed_mm_min > 0:
+            raise LimitError(f"A feed is above 0 mm/min, not {feed_mm_min:g}.")
+
     def _curve(self, targets: Sequence[Steps], feed_mm_min: float | None) -> Job:
         here = self.position_steps()
         for number, target in enumerate(targets, start=1):
@@ -704,6 +758,8 @@ class Controller:
         self._require_not_running()
         if self._status is Status.ERROR:
             raise StateError(f"Acknowledge the error first: {self._message}")
+        # Somebody may have moved a carriage, or pressed a switch, since the last look.
+        self._runner.look_around(self.config.switches.readings)
 
     # --- facts ---------------------------------------------------------------------------------
 
@@ -743,7 +799,7 @@ class Controller:
             high_mm=tuple(axis.high_mm for axis in machine.axes),
             speed_mm_min=report.rate_hz * self._runner.mm_per_tick() * 60,
             running=report.running,
-            held=report.held,
+            held=self._runner.held and self._status is Status.RUN,
             energised=report.energised,
             switch_closed=report.switch_closed,
             ends=tuple(self.end_name(end) for end in sorted(self.ends())),

@@ -14,7 +14,7 @@ from typing import Final
 
 from fraese.blocks import Block
 from fraese.context import ProgramContext
-from fraese.errors import ProgramError
+from fraese.errors import LimitError, ProgramError
 from fraese.gcode import canon
 from fraese.gcode.extents import arc_extent
 from fraese.machine import Millimetres
@@ -83,9 +83,9 @@ class Survey:
     def __post_init__(self) -> None:
         machine = self.context.machine
         self._at: canon.Point = self._start()
-        # Half a step beyond a limit still rounds onto it.
-        self._low_mm = [axis.low_mm - axis.step_mm / 2 for axis in machine.axes]
-        self._high_mm = [axis.high_mm + axis.step_mm / 2 for axis in machine.axes]
+        self._limits_steps = [
+            (axis.to_steps(axis.low_mm), axis.to_steps(axis.high_mm)) for axis in machine.axes
+        ]
 
     def _start(self) -> canon.Point:
         x_mm, y_mm, z_mm = self.context.machine.to_mm(self.context.start_steps)
@@ -102,6 +102,24 @@ class Survey:
                 return
             if type(move) in kinds:
                 self._take(move)
+            facts = yield move
+
+    def guard(self, moves: Moves, file: str) -> Moves:
+        """The same for a run: what a look through could not know (a probe) is refused here.
+
+        Raises:
+            LimitError: a move leaves the travel; it is not passed on.
+        """
+        facts: canon.Facts | None = None
+        watched = self.watch(moves)
+        while True:
+            try:
+                move = watched.send(facts)
+            except StopIteration:
+                return
+            if self.outside:
+                at = self.outside[0]
+                raise LimitError(f"{file}, line {at.line}: {at.message}")
             facts = yield move
 
     def _take(self, move: canon.Move) -> None:
@@ -128,7 +146,10 @@ class Survey:
             return
         name = axis.name.upper()
         if self.context.referenced[index]:
-            if not self._low_mm[index] <= value_mm <= self._high_mm[index]:
+            low_steps, high_steps = self._limits_steps[index]
+            inside = axis.low_mm <= value_mm <= axis.high_mm
+            # What is a little outside may still round onto the limit.
+            if not inside and not low_steps <= axis.to_steps(value_mm) <= high_steps:
                 self.outside.append(
                     Complaint(
                         line,

@@ -8,11 +8,12 @@ Rule 3: a question of the program is asked where a person sits at a terminal. El
 """
 
 import json
+import shutil
 import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any, Final
 
@@ -29,9 +30,10 @@ _LOOK_EVERY_S: Final = 0.05
 _SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP")
 
 
-def note(text: str) -> None:
-    """A line for people."""
-    print(text, file=sys.stderr, flush=True)
+def note(text: str, end: str = "\n") -> None:
+    """A line for people; that nobody reads it any more must not stop a machine."""
+    with suppress(OSError, ValueError):
+        print(text, end=end, file=sys.stderr, flush=True)
 
 
 class Session:
@@ -50,6 +52,8 @@ class Session:
         self._shown_s = 0.0
         self._from_ns = plant.clock.now_ns()
         self._blocks = 0
+        self._told = ""
+        self._may_raise = True
         self._controller.set_show_pos(self._progress)
         self._controller.set_break_key(self._answer)
         self._controller.set_tell(self._tell)
@@ -62,23 +66,32 @@ class Session:
         Raises:
             FraeseError: if the command is refused; the machine has not moved.
         """
-        with _interrupts(self._controller.cancel):
+        with _interrupts(self._interrupt):
             command(self._controller)
-            self._plant.save(moving=True)
+            if self._controller.status is Status.RUN:
+                self._plant.save(moving=True)
+                self._may_raise = False
             status = self._controller.run()
-        state = self._controller.state()
-        self._blocks = state.job.blocks if state.job else 0
-        self._plant.close()
+            self._may_raise = False
+            state = self._controller.state()
+            self._blocks = state.job.blocks if state.job else 0
+            self._plant.close()
         self._end_progress()
         self._say_result(status, state)
         return _EXIT_CODES[status]
+
+    def _interrupt(self) -> None:
+        """Before anything moves the command is given up; then the job brakes."""
+        if self._may_raise:
+            raise KeyboardInterrupt
+        self._controller.cancel()
 
     def _say_result(self, status: Status, state: MachineState) -> None:
         word = _STATUS_WORDS[status]
         if self._as_json:
             print(json.dumps(self._result(word, state)))
             return
-        if status is Status.ERROR or state.message:
+        if state.message != self._told:
             note(state.message)
         where = " ".join(
             f"{name.upper()} {mm:.3f}" for name, mm in zip(state.axes, state.work_mm, strict=True)
@@ -116,14 +129,17 @@ class Session:
         )
         line = f"line {job.line}/{job.lines}  " if job and job.lines else ""
         elapsed = f"{job.elapsed_s:8.1f} s" if job else ""
-        print(f"\r\x1b[K{line}{where}  {elapsed}", end="", file=sys.stderr, flush=True)
+        # A line that wraps could not be wiped any more.
+        width = shutil.get_terminal_size().columns - 1
+        note("\r\x1b[K" + f"{line}{where}  {elapsed}"[:width], end="")
 
     def _end_progress(self) -> None:
         if self._shows_progress and self._shown_s:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+            note("\r\x1b[K", end="")
 
     def _tell(self, message: str) -> None:
         self._end_progress()
+        self._told = message
         note(message)
 
     def _answer(self) -> None:
@@ -132,12 +148,15 @@ class Session:
             return
         self._end_progress()
         if sys.stdin.isatty():
-            print(f"{question} [Enter] ", end="", file=sys.stderr, flush=True)
+            note(f"{question} [Enter] ", end="")
             try:
+                self._may_raise = True
                 input()
-            except EOFError:
+            except (EOFError, KeyboardInterrupt):
                 self._controller.cancel()
                 return
+            finally:
+                self._may_raise = False
         else:
             note(f"{question} (no terminal: going on)")
         self._controller.answer()
@@ -202,6 +221,7 @@ def _interrupts(cancel: Callable[[], None]) -> Iterator[None]:
 def refuse(error: FraeseError, *, as_json: bool) -> int:
     """Say why nothing was done; the exit code."""
     if as_json:
-        print(json.dumps({"status": "refused", "message": str(error)}))
+        word = "cancelled" if isinstance(error, Cancelled) else "refused"
+        print(json.dumps({"status": word, "message": str(error)}))
     note(f"fraese: {str(error).rstrip('.')}.")
     return error.exit_code

@@ -11,9 +11,10 @@ import os
 from pathlib import Path
 from typing import Final
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
 from fraese.errors import ConfigError
+from fraese.offsets import ACTIVE_SYSTEM
 
 STATE_FILE: Final = "state.json"
 
@@ -28,7 +29,7 @@ class Kept(BaseModel):
         referenced: per axis.
         phases: phase index per motor.
         simulation: what the simulated mill needs to be found as it was left.
-        steps_per_mm: of every axis, as a ratio; otherwise configured, steps mean nothing.
+        axes: what gives the steps of each axis their meaning; configured otherwise, they have none.
         moving: written before motion, cleared after it.
     """
 
@@ -40,8 +41,15 @@ class Kept(BaseModel):
     referenced: tuple[bool, ...]
     phases: tuple[int, ...]
     simulation: tuple[tuple[float, float, float, float], ...] = ()
-    steps_per_mm: tuple[str, ...] = ()
+    axes: tuple[str, ...] = ()
     moving: bool = False
+
+    @field_validator("parameters")
+    @classmethod
+    def _a_system(cls, value: dict[int, float]) -> dict[int, float]:
+        if value.get(ACTIVE_SYSTEM, 1) not in range(1, 10):
+            raise ValueError("no such work offset")
+        return value
 
 
 class Journal:
@@ -72,7 +80,13 @@ class Journal:
             raise ConfigError(
                 f"{self.path}: is damaged; start with --fresh and reference the machine."
             ) from error
-        per_axis = (kept.position_steps, kept.slack_steps, kept.referenced, kept.phases)
+        per_axis: list[tuple[object, ...]] = [
+            kept.position_steps,
+            kept.slack_steps,
+            kept.referenced,
+            kept.phases,
+            kept.simulation or (None,) * axes,
+        ]
         if any(len(values) != axes for values in per_axis):
             raise ConfigError(
                 f"{self.path}: belongs to a machine with another number of axes; start with"

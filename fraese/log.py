@@ -63,6 +63,13 @@ def _shown(args: tuple[Any, ...], kwargs: dict[str, Any]) -> str:
     return ", ".join([_short(arg) for arg in args] + named)
 
 
+class _Handler(logging.FileHandler):
+    """A file that cannot be written any more (a full disk) does not disturb the machine."""
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 (logging's name)
+        pass
+
+
 class LogFile:
     """The file, switched on and off at run time.
 
@@ -96,7 +103,7 @@ class LogFile:
             return
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            handler = logging.FileHandler(self.path, encoding="utf-8")
+            handler = _Handler(self.path, encoding="utf-8")
         except OSError as error:
             raise ConfigError(
                 f"{self.path}: the log cannot be written: {error.strerror}."

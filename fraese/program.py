@@ -1,5 +1,6 @@
 """Program files: look through, run, run from a line, drive round the frame."""
 
+from collections import deque
 from collections.abc import Generator, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -7,7 +8,7 @@ from pathlib import Path
 from fraese.context import ProgramContext
 from fraese.controller import Controller
 from fraese.errors import LimitError, ProgramError, StateError
-from fraese.examine import Facts, examine
+from fraese.examine import Facts, Survey, examine
 from fraese.gcode import canon
 from fraese.gcode.text import read_lines
 from fraese.jobs import STANDSTILL, Job
@@ -86,13 +87,16 @@ class Program:
         moves = source.moves()
         if from_line > 1:
             moves = skip_to(moves, from_line, safe_z(context), source)
+        ledger = _Ledger(controller, source, translation)
 
         def job() -> Job:
             try:
-                yield from translation.blocks(moves)
+                guarded = Survey(context).guard(ledger.watch(moves), str(self.path))
+                yield from translation.blocks(guarded)
                 yield STANDSTILL
+                ledger.close()
             finally:
-                controller.offsets.replace(source.parameters())
+                controller.offsets.replace(ledger.in_force())
 
         controller.start(
             self.name,
@@ -139,6 +143,57 @@ class Program:
             f" plane G{state.plane}, work offset {state.work_offset}"
         )
         return said
+
+
+class _Ledger:
+    """Which offsets hold where: what was read ahead but not reached does not count.
+
+    Args:
+        controller: knows how many blocks were played.
+        source: where the offsets come from.
+        translation: what lies between.
+    """
+
+    def __init__(
+        self, controller: Controller, source: ProgramSource, translation: Translation
+    ) -> None:
+        self._controller = controller
+        self._source = source
+        self._planner = translation.planner
+        # Blocks before a change, and the parameters from there on.
+        self._entries = deque([(0, dict(controller.offsets.parameters))])
+
+    def watch(self, moves: Moves) -> Moves:
+        """Pass everything on, both ways; note changes."""
+        facts: canon.Facts | None = None
+        changes = self._source.changes
+        while True:
+            try:
+                move = moves.send(facts)
+            except StopIteration:
+                return
+            if self._source.changes != changes:
+                changes = self._source.changes
+                self._note(self._controller.blocks_pushed() + self._planner.pending)
+            facts = yield move
+
+    def _note(self, blocks: int) -> None:
+        self._forget_passed()
+        self._entries.append((blocks, self._source.parameters()))
+
+    def _forget_passed(self) -> None:
+        finished = self._controller.blocks_finished()
+        while len(self._entries) > 1 and self._entries[1][0] <= finished:
+            self._entries.popleft()
+
+    def close(self) -> None:
+        """The program was played to its end."""
+        self._entries = deque([(0, self._source.parameters())])
+
+    def in_force(self) -> dict[int, float]:
+        """The parameters where the machine stands."""
+        self._forget_passed()
+        return self._entries[0][1]
 
 
 def _in_words(move: canon.Move) -> str:

@@ -13,7 +13,7 @@ Rule 3: a job ends in exactly one way: done, cancelled, stopped by a switch, or 
 from collections import deque
 from collections.abc import Sequence
 from enum import Enum, auto
-from typing import NamedTuple, Protocol
+from typing import Final, NamedTuple, Protocol
 
 from fraese.blocks import Block, remainder
 from fraese.errors import FraeseError
@@ -23,6 +23,9 @@ from fraese.motor.seams import Ended, Report, StepDriver
 from fraese.planner.backlash import Carriages
 from fraese.planner.lines import mm_per_tick, planned_s
 from fraese.state import Status
+
+#: An input that still changes after so many readings is a matter for a person.
+_MOST_LOOKS: Final = 1000
 
 
 class Detour(Protocol):
@@ -85,7 +88,7 @@ class Runner:
         self._begun = False
         self._detour: Detour | None = None
         self._aside = _Aside.ON_PATH
-        self._kept: list[Block] = []
+        self._kept: deque[Block] = deque()
         self._pending: Block | None = None
         self._wait: Standstill | Ask | None = None
         self._report_is_fresh = True
@@ -114,6 +117,7 @@ class Runner:
 
     def hold(self) -> None:
         """Brake and wait."""
+        self._resume = False
         self._held = True
         self._driver.brake()
 
@@ -122,8 +126,9 @@ class Runner:
         self._resume = True
 
     def answer(self) -> None:
-        """The operator has done what was asked."""
-        self._answered = True
+        """The operator has done what was asked; nothing without a question."""
+        if self.question:
+            self._answered = True
 
     # --- from the run loop's thread ------------------------------------------------------------
 
@@ -136,7 +141,7 @@ class Runner:
         """
         self._detour = detour
         self._aside = _Aside.ON_PATH
-        self._kept = []
+        self._kept.clear()
         self._driver.flush()
         self._job = job
         self._begun = False
@@ -151,13 +156,21 @@ class Runner:
         self._forget_played()
         return self.report
 
+    def look_around(self, readings: int) -> None:
+        """Poll until the inputs are known: so many equal readings in a row, after any bounce."""
+        equal = 0
+        for _ in range(_MOST_LOOKS):
+            before = self.report.inputs
+            equal = equal + 1 if self.look().inputs == before else 0
+            if equal >= readings:
+                return
+
     def activate(self) -> Status:
         """One round: feed the queue, play a slice, see how it stands (ActivateMotoren)."""
         if self._held and self._detour is not None:
             self._step_aside(self._detour)
         elif self._resume:
-            self._resume = self._held = False
-            self._driver.resume()
+            self._go_on()
         try:
             self._feed()
         except FraeseError as error:
@@ -168,6 +181,35 @@ class Runner:
         self._report_is_fresh = True
         self._forget_played()
         return self._judge(self.report)
+
+    def abandon(self) -> None:
+        """Something unforeseen happened: the job is dropped, the motors stop at the next poll."""
+        self._job = self._pending = self._wait = None
+        self.question = ""
+        self._driver.stop()
+
+    @property
+    def finished(self) -> int:
+        """Blocks of this job that were played to their end, the one in hand left out."""
+        return max(0, self.report.playing - self._serial_at_start - 1)
+
+    @property
+    def waits(self) -> bool:
+        """Nothing moves until a person does something."""
+        return self.held or bool(self.question)
+
+    @property
+    def held(self) -> bool:
+        """The motors stand, on the path or aside, and the job waits."""
+        return self.report.held or (self._aside is _Aside.AWAY and not self.report.queued)
+
+    def _go_on(self) -> None:
+        """Resume, unless somebody has cancelled since; also if he does it at this moment."""
+        self._resume = self._held = False
+        if not self._cancel:
+            self._driver.resume()
+        if self._cancel or self._held:
+            self._driver.brake()
 
     def position_steps(self) -> Steps:
         """Axis positions at the last report."""
@@ -206,8 +248,10 @@ class Runner:
         return total_s
 
     def _feed(self) -> None:
+        if not self._held and not self._give_back():
+            return
         ahead_s = self.ahead_s()
-        while self._job is not None and not self._held:
+        while self._job is not None and not (self._held or self._cancel or self._stop):
             if self._pending is not None:
                 if ahead_s >= self._lead_s or not self._driver.push(self._pending):
                     return
@@ -220,23 +264,47 @@ class Runner:
     def _step_aside(self, detour: Detour) -> None:
         """Away from the path once the hold stands, and back when it is to go on."""
         report = self.report
-        if self._aside is _Aside.ON_PATH and report.held:
-            self._kept = self._unplayed()
-            self._driver.flush()
-            self.look()
-            self._push_all(detour.away())
-            self._aside = _Aside.AWAY
-        elif self._aside is _Aside.AWAY and self._resume and not report.queued:
+        if self._cancel or self._stop:
+            return
+        if self._aside is _Aside.ON_PATH:
+            if report.held:
+                self._go_away(detour)
+        elif not self._resume:
+            return
+        elif report.queued:
+            if report.held:
+                # Held once more, on the way.
+                self._driver.resume()
+        elif self._aside is _Aside.AWAY:
             self._push_all(detour.back())
             self._aside = _Aside.COMING_BACK
-        elif self._aside is _Aside.COMING_BACK and not report.queued:
-            # Behind a closed throttle: what was planned at speed starts from the start/stop rate.
-            self._driver.brake()
-            self.look()
-            self._push_all(self._kept)
-            self._aside = _Aside.ON_PATH
-            self._resume = self._held = False
-            self._driver.resume()
+        else:
+            self._rejoin()
+
+    def _go_away(self, detour: Detour) -> None:
+        self._kept.extendleft(reversed(self._unplayed()))
+        self._driver.flush()
+        self.look()
+        self._push_all(detour.away())
+        self._aside = _Aside.AWAY
+
+    def _rejoin(self) -> None:
+        """Back on the path, what was taken out of the queue is given back."""
+        # Behind a closed throttle: what was planned at speed starts from the start/stop rate.
+        self._driver.brake()
+        self.look()
+        self.blocks = self.report.playing - self._serial_at_start
+        self._give_back()
+        self._aside = _Aside.ON_PATH
+        self._go_on()
+
+    def _give_back(self) -> bool:
+        """True when all of it is in the queue."""
+        while self._kept:
+            if not self._driver.push(self._kept[0]):
+                return False
+            self._remember(self._kept.popleft())
+        return True
 
     def _unplayed(self) -> list[Block]:
         """What is queued, the block in hand without what was played of it."""
@@ -283,11 +351,13 @@ class Runner:
     def _is_over(self, wait: Standstill | Ask) -> bool:
         if not self._report_is_fresh or self.report.queued:
             return False
-        if isinstance(wait, Ask) and not self._answered:
-            self.question = wait.question
-            return False
+        if isinstance(wait, Ask):
+            if not self.question:
+                self._answered = False
+                self.question = wait.question
+            if not self._answered:
+                return False
         self.question = ""
-        self._answered = False
         return True
 
     def _judge(self, report: Report) -> Status:
@@ -299,7 +369,8 @@ class Runner:
         if self._cancel and not report.running:
             self._driver.flush()
             return self._end(Status.ERROR if self.failure else Status.CANCEL)
-        if self._job is None and self._pending is None and not report.queued and not self._cancel:
+        done = self._job is None and self._pending is None and not self._kept
+        if done and not report.queued and not self._cancel:
             return self._end(Status.OK)
         return Status.RUN
 

@@ -53,6 +53,11 @@ class ProgramSource:
         """What the program left of the persistent parameters."""
         return self._interpreter.parameters.persistent()
 
+    @property
+    def changes(self) -> int:
+        """Counts the changes of those."""
+        return self._interpreter.parameters.changes
+
     def modal_state(self) -> ModalState:
         """What is in force behind the last line read."""
         return self._interpreter.modal_state()

@@ -4,6 +4,8 @@ Rule 1: one row a kind of move, in ``_ROWS``; each gives blocks, waits, or both,
 Rule 2: a barrier is planned to rest, waited for, and answered with what the machine found.
         Without a controller (a check) nothing waits: everything goes as commanded.
 Rule 3: outputs that hang on nothing are switched by hand: the operator is told, never refused.
+Rule 4: a probe that shares the end switches' input still touches when its move has ended. Until it
+        is free, moves away from the contact or along it are let through, none further in.
 """
 
 from collections.abc import Callable, Generator, Iterable
@@ -39,6 +41,7 @@ class Translation:
         self._controller = controller
         self._override = 1.0
         self._may_override = True
+        self._probed_way: tuple[float, ...] = ()
         self.planner = Planner(
             context.machine, context.start_steps, context.options(), context.slack_steps
         )
@@ -50,7 +53,7 @@ class Translation:
             ProgramError: a line is refused, from the interpreter.
             ProbeError: a probe touches never, or already.
         """
-        line, rows, controller = self.planner.line, _ROWS, self._controller
+        line, rows = self.planner.line, _ROWS
         feed, rapid = canon.Feed, canon.Rapid
         facts: canon.Facts | None = None
         while True:
@@ -59,18 +62,21 @@ class Translation:
             except StopIteration:
                 break
             facts = None
-            if controller is not None and controller.override != self._override:
-                self._apply_override()
             kind = type(move)
-            if kind is feed:
-                for block in line(move.to, move.feed_mm_min, move.line):
-                    yield block
-            elif kind is rapid:
-                for block in line(move.to, None, move.line):
-                    yield block
-            else:
+            if kind is not feed and kind is not rapid:
                 facts = yield from rows[kind](self, move)
+            elif self._probed_way:
+                yield from self._leave_contact(move)
+            else:
+                for block in line(move.to, move.feed_mm_min if kind is feed else None, move.line):
+                    yield block
+                    self._follow_override()
+            self._follow_override()
         yield from _each(self.planner.finish())
+
+    def _follow_override(self) -> None:
+        if self._controller is not None and self._controller.override != self._override:
+            self._apply_override()
 
     def _apply_override(self) -> None:
         if self._controller is not None:
@@ -80,11 +86,11 @@ class Translation:
     # --- moves ---------------------------------------------------------------------------------
 
     def _arc(self, move: canon.Arc) -> Part:
-        yield from _each(
-            self.planner.arc(
-                move.to, move.centre, move.plane, move.turns, move.feed_mm_min, move.line
-            )
-        )
+        for block in self.planner.arc(
+            move.to, move.centre, move.plane, move.turns, move.feed_mm_min, move.line
+        ):
+            yield block
+            self._follow_override()
         return None
 
     def _dwell(self, move: canon.Dwell) -> Part:
@@ -173,6 +179,7 @@ class Translation:
             return None
         yield from _each(self.planner.drain())
         report = yield STANDSTILL
+        from_mm = self._point(controller.position_steps())
         if controller.probe_closed() == move.until_closed:
             raise ProbeError(
                 f"{self._where(move)}: the probe {'touches' if move.until_closed else 'is free'}"
@@ -191,7 +198,27 @@ class Translation:
                 f" {controller.where()}."
             )
         at_mm = self._point(controller.position_steps())
+        if report.switch_closed:
+            self._probed_way = _way(from_mm, move.to)
         return canon.Facts(position_mm=at_mm, touched=touched, contact_mm=contact_mm)
+
+    def _leave_contact(self, move: canon.Rapid | canon.Feed) -> Part:
+        """A move with the switch still closed by the probe."""
+        controller = self._controller
+        assert controller is not None
+        feed_mm_min = move.feed_mm_min if isinstance(move, canon.Feed) else None
+        way = _way(self._point(controller.position_steps()), move.to)
+        further_in = sum(a * b for a, b in zip(way, self._probed_way, strict=True)) > 0
+        watch = controller.switch_watch(closed=False, action=WatchAction.IGNORE)
+        if further_in:
+            yield from _each(self.planner.line(move.to, feed_mm_min, move.line))
+            yield from _each(self.planner.drain())
+        else:
+            yield from _each(self.planner.watched(move.to, feed_mm_min, watch, move.line))
+        report = yield STANDSTILL
+        if not report.switch_closed:
+            self._probed_way = ()
+        return None
 
     def _where(self, move: canon.Probe) -> str:
         return f"line {move.line}"
@@ -212,6 +239,10 @@ class Translation:
     def _say(self, text: str) -> None:
         if self._controller is not None:
             self._controller.say(text)
+
+
+def _way(from_mm: canon.Point, to_mm: canon.Point) -> tuple[float, ...]:
+    return tuple(b - a for a, b in zip(from_mm, to_mm, strict=True))
 
 
 def _each(blocks: Iterable[Block]) -> Generator[Block, Report, None]:

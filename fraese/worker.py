@@ -54,6 +54,7 @@ class Worker:
         self._waiting: _Item | None = None
         self._doing: _Item | None = None
         self._cancelled = False
+        self._trouble = ""
         self._quit = False
         self._closed = False
         self._thread = threading.Thread(target=self._loop, name="machine", daemon=True)
@@ -126,14 +127,25 @@ class Worker:
             since = time.monotonic()
             item = self._take()
             if item is None:
-                self._controller.idle(time.monotonic() - since)
+                self._idle(time.monotonic() - since)
             else:
                 self._do(item.command)
                 with self._news:
                     self._doing = None
             self._on_idle()
 
+    def _idle(self, elapsed_s: float) -> None:
+        """Look at the machine; the same trouble is told once, not twenty times a second."""
+        try:
+            self._controller.idle(elapsed_s)
+            self._trouble = ""
+        except Exception as error:
+            if repr(error) != self._trouble:
+                self._trouble = repr(error)
+                self._on_refusal(str(error))
+
     def _do(self, command: Command) -> None:
+        before = self._controller.status
         try:
             command()
             # Only now is there a job that a cancel can reach.
@@ -142,17 +154,21 @@ class Worker:
             if self._controller.run() is Status.CANCEL:
                 self._controller.acknowledge()
         except FraeseError as error:
-            self._abandon()
+            self._abandon(before)
             self._on_refusal(str(error))
         except Exception as error:
             log.write("worker", "_do", "error", repr(error))
-            self._abandon()
+            self._abandon(before)
             self._on_refusal(f"Stopped by an error in the program: {error!r}.")
 
-    def _abandon(self) -> None:
-        """Whatever was raised in the middle of a run: the run loop ends it, and is free again."""
+    def _abandon(self, before: Status) -> None:
+        """Whatever was raised in the middle of a run: it is ended, and the machine is free again.
+
+        An error that waited to be acknowledged before goes on waiting.
+        """
         if self._controller.status is Status.RUN:
             self._controller.stop()
             with contextlib.suppress(Exception):
                 self._controller.run()
+        if before is not Status.ERROR:
             self._controller.acknowledge()

@@ -9,7 +9,9 @@ import pytest
 from fraese.assembly import Plant, assemble
 from fraese.blocks import Block
 from fraese.config import Config
+from fraese.errors import PortError, ProbeError
 from fraese.jobs import Job
+from fraese.motor.seams import End
 from fraese.state import Status
 from fraese.worker import Worker
 
@@ -135,3 +137,36 @@ def test_close_brakes_and_switches_off() -> None:
     assert not plant.port.electronics.currents(0).a_percent  # type: ignore[attr-defined]
     assert 0 < state.position_steps[0] < 10_000
     assert not worker.submit(lambda: None)
+
+
+def test_trouble_between_commands_is_told_once_and_the_thread_lives_on(rig: Rig) -> None:
+    def gone(elapsed_s: float) -> None:
+        raise PortError("The port went away.")
+
+    rig.controller.idle = gone  # type: ignore[method-assign, assignment]
+    rig.wait(lambda: bool(rig.refused))
+    time.sleep(0.12)
+    assert rig.refused == ["The port went away."]
+    assert rig.worker.submit(lambda: rig.controller.jog("x", 1))
+    rig.wait()
+    assert rig.controller.position_steps() == (200, 0, 0)
+
+
+def test_an_error_that_waits_is_not_acknowledged_by_a_refusal(rig: Rig) -> None:
+    rig.plant.port.press(End(0, 1))  # type: ignore[attr-defined]
+    rig.worker.submit(lambda: rig.controller.move_to({"x": 1}))
+    rig.wait(lambda: len(rig.refused) == 1)
+    rig.plant.port.let_go(End(0, 1))  # type: ignore[attr-defined]
+    rig.worker.submit(lambda: rig.controller.start("odd", failing()))
+    rig.wait()
+    assert rig.controller.status is Status.ERROR
+    rig.worker.submit(lambda: rig.controller.jog("x", 1))
+    rig.wait(lambda: len(rig.refused) == 2)
+    assert "Acknowledge" in rig.refused[1]
+    rig.wait()
+    assert rig.controller.status is Status.ERROR
+
+
+def failing() -> Job:
+    yield from ()
+    raise ProbeError("never touched")

@@ -20,10 +20,15 @@ Live = Callable[[], float]
 
 
 class Parameters:
-    """The store; ``numbered`` may be read freely, writing goes through the methods."""
+    """The store; ``numbered`` may be read freely, writing goes through the methods.
+
+    Attributes:
+        changes: counts what was written to the persistent ones.
+    """
 
     def __init__(self, initial: Mapping[int, float] | None = None) -> None:
         self.numbered: dict[int, float] = dict(initial or {})
+        self.changes = 0
         self.live: dict[int, Live] = {}
         self.live_names: dict[str, Live] = {}
         self._globals: dict[str, float] = {}
@@ -55,6 +60,8 @@ class Parameters:
         if index in READ_ONLY:
             raise ProgramError(f"#{index} can only be read")
         self.numbered[index] = value
+        if index >= PERSISTENT[0]:
+            self.changes += 1
 
     def find(self, name: str) -> float | None:
         """Value of ``#<name>``, or None where it has not been set."""

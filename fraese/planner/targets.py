@@ -96,7 +96,7 @@ class Targets:
         self.reached_steps = to_x, to_y, to_z
         self._reached_mm = to_mm
         if self._has_backlash:
-            self._take_up(steps, tag)
+            self._take_up(steps, tag, watch)
         outputs = self.outputs
         segment = self._limits.segment(steps, way_mm, feed_mm_s, top_mm_s, outputs, tag, watch)
         if outputs is not None:
@@ -125,13 +125,13 @@ class Targets:
                 yield from window.settle()
         self.streaming = False
 
-    def _take_up(self, steps: tuple[int, int, int], tag: int) -> None:
+    def _take_up(self, steps: tuple[int, int, int], tag: int, watch: Watch | None) -> None:
         """Before axes turn round, the steps that only their motors make."""
         slack, backlash = self.slack_steps, self._backlash_steps
         x, y, z = map(take_up, slack, backlash, steps)
         extra = (x, y, z)
         if extra != (0, 0, 0):
-            segment = self._limits.segment(extra, None, UNLIMITED, UNLIMITED, None, tag)
+            segment = self._limits.segment(extra, None, UNLIMITED, UNLIMITED, None, tag, watch)
             self._window.append(segment, self.exact_stop)
             self.slack_steps = tuple(
                 followed(*each)[1] for each in zip(slack, backlash, extra, strict=True)

@@ -1,0 +1,121 @@
+"""A whole machine to try things on, and what a person would do at it.
+
+Tests speak physics: jog, home, press a switch, look where the carriage is.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from fraese.assembly import Plant, assemble
+from fraese.config import Config, from_table
+from fraese.controller import Controller
+from fraese.motor.ports.recorder import Recorder
+from fraese.motor.ports.sim import Sight, SimulatedMill
+from fraese.motor.seams import End
+from fraese.program import Program, open_program
+from fraese.state import Status
+
+AXES = "xyz"
+#: Built-in travel in steps, from switch to switch.
+TRAVEL_STEPS = (60_000, 40_000, 12_000)
+#: Built-in machine zero, as the carriages see it.
+ZERO_STEPS = (400, 400, 11_600)
+
+STEPDIR: dict[str, Any] = {"card": {"kind": "stepdir"}}
+
+
+def configured(**sections: Any) -> Config:
+    """A configuration as it would be read from a file with these tables."""
+    return from_table(sections, "test")
+
+
+def axes(**keys: Any) -> dict[str, Any]:
+    """The same keys for every axis."""
+    return {name: dict(keys) for name in AXES}
+
+
+def merged(*tables: dict[str, Any]) -> dict[str, Any]:
+    """Tables of sections put together, key by key."""
+    result: dict[str, Any] = {}
+    for table in tables:
+        for section, keys in table.items():
+            old = result.get(section)
+            both = isinstance(old, dict) and isinstance(keys, dict)
+            result[section] = merged(old, keys) if both and old is not None else keys
+    return result
+
+
+def plant(**sections: Any) -> Plant:
+    """A machine in the middle of its travel, on a virtual clock."""
+    return assemble(configured(**sections))
+
+
+def mill(plant: Plant) -> SimulatedMill:
+    port = plant.port
+    assert isinstance(port, SimulatedMill)
+    return port
+
+
+def look(plant: Plant) -> Sight:
+    """What a person at the machine sees."""
+    return mill(plant).look()
+
+
+def carriages(plant: Plant) -> tuple[float, ...]:
+    return look(plant).carriages_steps
+
+
+def put(plant: Plant, axis: str, steps_from_low_switch: float) -> None:
+    """Move a carriage by hand, and wait until the switches have noticed."""
+    mill(plant).mill.place(AXES.index(axis), steps_from_low_switch, plant.clock.now_ns())
+    plant.controller.idle(2.0)
+
+
+def end(name: str) -> End:
+    """``end("xmin")``."""
+    return End(AXES.index(name[0]), 1 if name[1:] == "max" else -1)
+
+
+def homed(**sections: Any) -> Plant:
+    """A machine after its reference run."""
+    made = plant(**sections)
+    made.controller.home()
+    assert made.controller.run() is Status.OK, made.controller.state().message
+    return made
+
+
+def after_slices(controller: Controller, number: int, *actions: Callable[[], object]) -> list[int]:
+    """Do something after so many slices of the run loop; returns the list that counts them."""
+    slices: list[int] = []
+
+    def break_key() -> None:
+        slices.append(1)
+        if len(slices) == number:
+            for action in actions:
+                action()
+
+    controller.set_break_key(break_key)
+    return slices
+
+
+def program(folder: Path, text: str, name: str = "part.ngc") -> Program:
+    path = folder / name
+    path.write_text(text, "utf-8")
+    return open_program(path)
+
+
+def run_program(plant: Plant, program: Program, *, from_line: int = 0) -> Status:
+    """Look it through, then run it."""
+    facts = program.check(plant.controller)
+    program.start(plant.controller, facts, from_line=from_line)
+    return plant.controller.run()
+
+
+def record(plant: Plant) -> Recorder:
+    """Write down everything that the card does to the port from now on."""
+    recorder = Recorder(plant.port, plant.clock)
+    core: Any = plant.controller._driver
+    core._port = recorder
+    core._access = (recorder.write_data, core._sample, recorder.write_control)
+    return recorder
