@@ -32,12 +32,15 @@ from fraese.ui.feed import StateFeed
 from fraese.ui.jogging import Jog, Jogger
 from fraese.ui.keys import COMMANDS, FIRST_WIDTH, WIDTHS, RepeatRule
 from fraese.ui.machine_screen import PICTURES, MachineScreen
+from fraese.ui.pages import LivePage
 from fraese.ui.programs import OpenProgram, Program, in_words
 from fraese.ui.themes import DARK, LIGHT
 from fraese.worker import Command, Worker
 
 #: Between two redraws.
 _FRAME_S: Final = 0.04
+#: An answer has arrived after this time; the same question then is a new one.
+_ANSWER_S: Final = 0.3
 #: The step loop of a simulated mill shares the interpreter: let it have its turn soon.
 _SWITCH_INTERVAL_S: Final = 0.0005
 _BUSY: Final = "The machine runs: stop it (Esc) or wait for the end of the job; nothing was done."
@@ -136,6 +139,7 @@ class FraeseApp(App[None]):
         self._width = FIRST_WIDTH
         self._state = controller.state()
         self._drawn_at_s = 0.0
+        self._answered_at_s = 0.0
         self._draw_planned = False
         self._stopping = False
         self._holding = False
@@ -172,7 +176,7 @@ class FraeseApp(App[None]):
     async def run_async(self, **options: Any) -> None:
         """As Textual's; on every way out the motors are off."""
         loop = asyncio.get_running_loop()
-        for number in (signal.SIGTERM, signal.SIGHUP):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             loop.add_signal_handler(number, self._leave_by_signal, number)
         try:
             await super().run_async(**options)
@@ -244,17 +248,14 @@ class FraeseApp(App[None]):
 
     def _show_on_top(self, state: MachineState) -> None:
         """Pages above the main screen that show the machine, and the job's question."""
-        from fraese.ui.dialogs import AskDialog
-        from fraese.ui.switch_screen import SwitchScreen
-
         top = self.screen
-        if isinstance(top, SwitchScreen):
+        if isinstance(top, LivePage):
             top.show(state)
-        elif isinstance(top, AskDialog):
-            if not state.question:
-                top.dismiss(None)
-        elif state.question:
-            self.push_screen(AskDialog(state.question), self._answered)
+        elif state.question and time.monotonic() > self._answered_at_s + _ANSWER_S:
+            from fraese.ui.dialogs import AskDialog
+
+            question = state.question
+            self.push_screen(AskDialog(question), lambda done: self._answered(question, done))
 
     def on_alarmed(self, message: Alarmed) -> None:
         """The job ended with an error."""
@@ -476,11 +477,14 @@ class FraeseApp(App[None]):
         self._worker.cancel()
         self.exit()
 
-    def _answered(self, done: object) -> None:
+    def _answered(self, question: str, done: object) -> None:
         """The job's question: done, or the job is to be stopped."""
+        if self._state.question != question:
+            return
+        self._answered_at_s = time.monotonic()
         if done:
             self._controller.answer()
-        elif self._state.question:
+        else:
             self._worker.cancel()
 
     # --- programs ------------------------------------------------------------------------------

@@ -50,7 +50,7 @@ class AxisRow(Vertical):
         if self._small.display:
             self._small.show(
                 f"machine {millimetres(state.position_mm[i])} mm"
-                f"   {state.position_steps[i]} half-steps"
+                f"  {state.position_steps[i]} steps"
             )
         if self._gauge.display:
             self._gauge.show(self._way(state), "" if referenced else "-weak")
