@@ -4,7 +4,7 @@ Rule 1  Lines are read when moves are asked for; nothing is read ahead but for O
 Rule 2  Whatever a line does takes effect in the order of ``modal.ORDER``; each entry there
         has one method here.
 Rule 3  Behind a barrier (probe, pause, tool change) the position is what the outside says.
-        ``None`` says "as commanded": a probe then touches at its target.
+        ``None`` says "as commanded": a probe goes to its target, and touches there if it must.
 Rule 4  Whatever is wrong with a program ends in a ProgramError with file and line.
 """
 
@@ -131,7 +131,7 @@ class Interpreter:
 
     def _gets_on(self, move: Move) -> bool:
         """Whether a loop that makes this move gets somewhere: it goes to another place."""
-        if isinstance(move, Rapid | Feed):
+        if isinstance(move, Rapid | Feed | Probe):
             before, self._last_to = self._last_to, move.to
             return before != move.to
         return isinstance(move, Arc) or type(move) in BARRIERS

@@ -197,7 +197,8 @@ class Motion(Position):
             ProgramError: the probe did not touch although it had to.
         """
         if facts is None:
-            facts = Facts(probe.to, touched=True)
+            # As commanded: the way is gone to its end, and who must touch there does so.
+            facts = Facts(probe.to, touched=probe.must_touch)
         contact = facts.position_mm if facts.contact_mm is None else facts.contact_mm
         values = self.coordinates.to_program(contact)
         for index, value in enumerate(values, start=PROBE_RESULT):
