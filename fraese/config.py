@@ -116,9 +116,7 @@ class AxisConfig(Section):
     @classmethod
     def _ratio(cls, value: Any) -> str:
         text = str(value).replace(":", "/").replace(" ", "")
-        if not _GEAR.fullmatch(text) or not any(map(Fraction, text.split("/"))):
-            raise ValueError('must be a positive number or ratio such as "5/2"')
-        if "/" in text and not Fraction(text.partition("/")[2]):
+        if not _GEAR.fullmatch(text) or not all(map(Fraction, text.split("/"))):
             raise ValueError('must be a positive number or ratio such as "5/2"')
         return text
 
@@ -146,9 +144,11 @@ class AxisConfig(Section):
 class AxesConfig(Section):
     """The three axes."""
 
-    x: AxisConfig = AxisConfig()
-    y: AxisConfig = AxisConfig(travel_mm=Decimal("200"))
-    z: AxisConfig = AxisConfig(travel_mm=Decimal("60"), home_end="max")
+    x: AxisConfig = Field(AxisConfig(), description="The X axis.")
+    y: AxisConfig = Field(AxisConfig(travel_mm=Decimal("200")), description="The Y axis.")
+    z: AxisConfig = Field(
+        AxisConfig(travel_mm=Decimal("60"), home_end="max"), description="The Z axis, vertical."
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -500,7 +500,9 @@ class Config(Section):
     def _numbered(cls, value: dict[str, ToolConfig]) -> dict[str, ToolConfig]:
         for key in value:
             if not _TOOL.fullmatch(key):
-                raise ValueError(f'tools are named by number, as in [tools.1]; "{key}" is none')
+                raise ValueError(
+                    f'tools are named by number, as in [tools.1]; "{_short(key)}" is none'
+                )
         return value
 
     @model_validator(mode="after")
@@ -712,7 +714,8 @@ def _example(annotation: Any) -> str:
 
 def _literals(annotation: Any) -> tuple[Any, ...]:
     """What a field may be, if that is a list; also one that may be left out."""
-    for option in (annotation, *get_args(annotation)):
+    may_be_left_out = type(None) in get_args(annotation)
+    for option in get_args(annotation) if may_be_left_out else (annotation,):
         if get_origin(option) is Literal:
             return get_args(option)
     return ()

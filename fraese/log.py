@@ -8,6 +8,7 @@ Rule 1: functions that matter log their entry with parameters and their exit wit
 Rule 2: never from inside a loop over ticks, moves or polls; a long job must not drown in its log.
 """
 
+import contextlib
 import functools
 import logging
 from collections.abc import Callable
@@ -97,7 +98,8 @@ class LogFile:
         if self._handler is not None:
             write("log", "switch", "exit", "log off")
             _LOGGER.removeHandler(self._handler)
-            self._handler.close()
+            with contextlib.suppress(OSError):
+                self._handler.close()
             self._handler = None
             _LOGGER.setLevel(logging.CRITICAL + 1)
             return

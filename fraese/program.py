@@ -76,11 +76,7 @@ class Program:
             StateError: if the machine is not ready, or may not run unreferenced.
         """
         context = controller.program_context()
-        if not all(context.referenced) and context.config.run.unreferenced == "forbid":
-            raise StateError(
-                "The machine is not referenced and run.unreferenced forbids running so:"
-                " reference it first; nothing has moved."
-            )
+        _require_reference(context)
         controller.check_moves([])
         source = ProgramSource(self.path, context)
         translation = Translation(context, controller)
@@ -114,6 +110,7 @@ class Program:
             LimitError: if it leaves the travel.
             StateError: if the machine is not ready.
         """
+        _require_reference(controller.program_context())
         facts = self.check(controller, plan=False)
         if facts.low_mm is None or facts.high_mm is None:
             raise ProgramError("nothing moves in this program.", file=str(self.path))
@@ -208,6 +205,14 @@ def _in_words(move: canon.Move) -> str:
     if isinstance(move, canon.Tool):
         return f"tool {move.number}"
     return type(move).__name__.lower()
+
+
+def _require_reference(context: ProgramContext) -> None:
+    if not all(context.referenced) and context.config.run.unreferenced == "forbid":
+        raise StateError(
+            "The machine is not referenced and run.unreferenced forbids running so:"
+            " reference it first; nothing has moved."
+        )
 
 
 def safe_z(context: ProgramContext) -> float:

@@ -70,6 +70,8 @@ def put(plant: Plant, axis: str, steps_from_low_switch: float) -> None:
     """Move a carriage by hand, and wait until the switches have noticed."""
     mill(plant).mill.place(AXES.index(axis), steps_from_low_switch, plant.clock.now_ns())
     plant.controller.idle(2.0)
+    for _ in range(plant.config.switches.readings):
+        plant.controller.idle()
 
 
 def end(name: str) -> End:

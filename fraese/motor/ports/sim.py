@@ -15,6 +15,7 @@ from fraese.motor.seams import Clock, End
 #: All inputs at rest: bits 3 to 7 read 1, on these cards "no contact".
 INPUTS_AT_REST: Final = 0xF8
 _STROBE: Final = 1
+_LONG_AGO_NS: Final = 10_000_000_000
 
 
 class Electronics(Protocol):
@@ -274,7 +275,8 @@ class SimulatedMill:
         self.mill.set_slack([state.slack_steps for state in states])
         for motor, state in enumerate(states):
             self.electronics.angles[motor] = state.field_angle
-            self.mill.place(motor, state.position_steps, self._clock.now_ns())
+            # It has stood there for long: no contact is on its way.
+            self.mill.place(motor, state.position_steps, self._clock.now_ns() - _LONG_AGO_NS)
             self.mill.rotors[motor].set_lost(state.lost_steps)
 
     def press(self, end: End) -> None:
