@@ -7,7 +7,7 @@ from fraese.context import ProgramContext
 from fraese.gcode.coordlist import read_points
 from fraese.gcode.interpreter import Interpreter
 from fraese.gcode.reader import kind_of
-from fraese.gcode.setup import ModalState
+from fraese.gcode.state import ModalState
 from fraese.gcode.text import read_lines
 from fraese.translate import Moves
 
