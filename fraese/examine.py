@@ -127,6 +127,9 @@ class Survey:
             low, high, length_mm = arc_extent(self._at, move)
         else:
             to = move.to  # type: ignore[union-attr]
+            if to == self._at:
+                # A motion code alone on its line: canonical, but it goes nowhere.
+                return
             low = high = to
             length_mm = math.dist(self._at, to)
         self._at = move.to  # type: ignore[union-attr]

@@ -8,7 +8,7 @@ from fraese.errors import ProgramError
 from fraese.gcode.coordlist import read_points
 from fraese.gcode.interpreter import Interpreter
 from fraese.gcode.reader import kind_of
-from fraese.gcode.setup import ModalState
+from fraese.gcode.state import ModalState
 from fraese.gcode.text import read_lines
 from fraese.translate import Moves
 

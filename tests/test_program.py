@@ -538,3 +538,10 @@ def test_the_frame_goes_round_at_a_safe_height(tmp_path: Path) -> None:
 def test_a_program_without_motion_has_no_frame(tmp_path: Path) -> None:
     with pytest.raises(ProgramError, match="nothing moves"):
         program(tmp_path, "M3\nM5\n").drive_frame(homed().controller)
+
+
+def test_a_motion_code_alone_is_no_part_of_the_bounds(tmp_path: Path) -> None:
+    made = homed()
+    facts = program(tmp_path, "G21 G90 G1 F900\nX20 Y10 Z-1\nX30\nM2\n").check(made.controller)
+    assert facts.low_mm == (20.0, 10.0, -1.0)
+    assert facts.high_mm == (30.0, 10.0, -1.0)

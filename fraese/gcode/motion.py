@@ -1,59 +1,44 @@
 """Motions: from words and modal state to canonical moves.
 
-Rule 1  ``at`` is where the program believes to be, in mm of the program's coordinates;
-        canonical moves get machine coordinates.
-Rule 2  A motion method returns its moves; the state behind them holds once they are made.
-Rule 3  A feed is in mm/min of the path, whichever of G93 and G94 is in force.
+A method returns its moves and leaves the position behind them; where the outside has a word in
+it, as after a probe, the position is set when its answer is known.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
-from typing import Final, Literal, cast
+from collections.abc import Callable, Iterable
+from typing import Final, cast
 
 from fraese.errors import ProgramError
-from fraese.gcode import arcs, cycles
+from fraese.gcode import arcs
 from fraese.gcode.canon import (
     PLANE_AXES,
     Arc,
-    Dwell,
     Facts,
     Feed,
     Move,
-    PathControl,
-    PathMode,
-    Point,
     Probe,
     Rapid,
-    Spindle,
 )
-from fraese.gcode.cycles import Hole, Sticky, Stroke
+from fraese.gcode.drilling import Drilling
 from fraese.gcode.modal import CYCLES, Modal, name
 from fraese.gcode.offsets import Coordinates
 from fraese.gcode.parameters import Parameters
+from fraese.gcode.position import LETTERS, Position
 from fraese.gcode.words import Block
 
-LETTERS: Final = "xyz"
 OFFSET_LETTERS: Final = "ijk"
 PROBE_RESULT: Final = 5061
 PROBE_TOUCHED: Final = 5070
-# The feed that G93 gives a move of next to no length, in units per minute.
-LEAST_FEED: Final = 0.1
 MAX_TURNS: Final = 100_000
-MAX_REPEATS: Final = 100_000
 
 
-class Motion:
-    """The motion codes, with the position and everything they depend on."""
+class Motion(Position):
+    """The motion codes."""
 
     def __init__(self, parameters: Parameters, coordinates: Coordinates, modal: Modal) -> None:
-        self.modal = modal
-        self.coordinates = coordinates
-        self.at: Point = (0.0, 0.0, 0.0)
-        self.line = 0
+        super().__init__(coordinates, modal)
         self._parameters = parameters
-        # what canned cycles remember; forgotten with any other motion and with G80
-        self._sticky: Sticky | None = None
-        self.old_height_mm = 0.0
+        self._drilling = Drilling(self)
 
     def move(self, block: Block) -> Iterable[Move]:
         """The moves of the block's motion code.
@@ -64,8 +49,10 @@ class Motion:
         code = block.motion
         if code is None:
             return ()
-        if code not in CYCLES:
-            self._sticky = None
+        if code in CYCLES:
+            self.modal.motion = code
+            return self._drilling.drill(block)
+        self._drilling.forget()
         self.modal.motion = code
         if block.codes.get("nonmodal") == 530:
             return self._machine_straight(block, code)
@@ -73,60 +60,7 @@ class Motion:
 
     def forget_cycle(self) -> None:
         """G80: the next canned cycle starts a series of its own."""
-        self._sticky = None
-
-    # Targets
-
-    def target(self, block: Block) -> Point:
-        """Where the axis words lead, in program mm."""
-        words = block.words
-        x, y, z = self.at
-        scale = self.modal.scale_mm
-        get = words.get
-        if "@" in words or "^" in words:
-            x, y = self._polar(words)
-        if self.modal.absolute:
-            if (word := get("x")) is not None:
-                x = word * scale
-            if (word := get("y")) is not None:
-                y = word * scale
-            if (word := get("z")) is not None:
-                z = word * scale
-            return x, y, z
-        return x + get("x", 0.0) * scale, y + get("y", 0.0) * scale, z + get("z", 0.0) * scale
-
-    def _polar(self, words: dict[str, float]) -> tuple[float, float]:
-        """X and Y from distance and angle; what is not given stays as it is."""
-        if "x" in words or "y" in words:
-            raise ProgramError("polar coordinates (@ and ^) cannot be mixed with X or Y")
-        x, y, _ = self.at
-        radius_mm, angle_deg = math.hypot(x, y), math.degrees(math.atan2(y, x))
-        if not self.modal.absolute and radius_mm == 0:
-            raise ProgramError("at the origin there is no direction for incremental @ and ^")
-        if self.modal.absolute:
-            radius_mm = words["@"] * self.modal.scale_mm if "@" in words else radius_mm
-            angle_deg = words.get("^", angle_deg)
-        else:
-            radius_mm += words.get("@", 0.0) * self.modal.scale_mm
-            angle_deg += words.get("^", 0.0)
-        angle = math.radians(angle_deg)
-        return radius_mm * math.cos(angle), radius_mm * math.sin(angle)
-
-    def feed_for(self, block: Block, length_mm: float, code: int) -> float:
-        """Feed of this move in mm/min.
-
-        Raises:
-            ProgramError: no feed is in force.
-        """
-        if not self.modal.inverse_time:
-            feed_mm_min = self.modal.feed_mm_min
-            if feed_mm_min <= 0:
-                raise ProgramError(f"{name(code)} needs a feed: give an F word above 0 first")
-            return feed_mm_min
-        inverse = block.words.get("f")
-        if inverse is None or inverse <= 0:
-            raise ProgramError(f"{name(code)} needs its own F word above 0 while G93 is in force")
-        return max(length_mm * inverse, LEAST_FEED * self.modal.scale_mm)
+        self._drilling.forget()
 
     # Straight motion
 
@@ -263,7 +197,8 @@ class Motion:
             ProgramError: the probe did not touch although it had to.
         """
         if facts is None:
-            facts = Facts(probe.to, touched=True)
+            # As commanded: the way is gone to its end, and who must touch there does so.
+            facts = Facts(probe.to, touched=probe.must_touch)
         contact = facts.position_mm if facts.contact_mm is None else facts.contact_mm
         values = self.coordinates.to_program(contact)
         for index, value in enumerate(values, start=PROBE_RESULT):
@@ -274,98 +209,6 @@ class Motion:
             wanted = "touch" if probe.until_closed else "open"
             raise ProgramError(f"the probe reached its target but did not {wanted}")
 
-    # Canned cycles
-
-    def _cycle(self, block: Block) -> Iterable[Move]:
-        code = cast(int, block.motion)
-        _first, _second, third = PLANE_AXES[self.modal.plane]
-        if not block.has_axes:
-            raise ProgramError(f"{name(code)} needs an axis word")
-        if self.modal.inverse_time:
-            raise ProgramError("canned cycles are not possible in G93; use G94")
-        self.feed_for(block, 0.0, code)
-        if self._sticky is None:
-            self.old_height_mm = self.at[third]
-        if self._sticky is None or self._sticky.code != code:
-            self._sticky = Sticky(code)
-        self._sticky = sticky = self._sticky.updated(block.words, LETTERS[third])
-        hole = self._hole(sticky)
-        count = round(block.words.get("l", 1.0))
-        if count > MAX_REPEATS:
-            raise ProgramError(f"a canned cycle is repeated at most {MAX_REPEATS} times")
-        return self._holes(block, hole, code, count)
-
-    def _hole(self, sticky: Sticky) -> Hole:
-        """Heights of the hole from the words in force."""
-        modal = self.modal
-        if sticky.r is None:
-            raise ProgramError("the canned cycle needs an R word: the height where drilling starts")
-        if sticky.depth is None:
-            letter = LETTERS[PLANE_AXES[modal.plane][2]].upper()
-            raise ProgramError(f"the canned cycle needs a {letter} word: the bottom of the hole")
-        r_mm = sticky.r * modal.scale_mm
-        bottom_mm = sticky.depth * modal.scale_mm
-        if not modal.absolute:
-            r_mm += self.old_height_mm
-            bottom_mm += r_mm
-        if bottom_mm > r_mm:
-            raise ProgramError("the bottom of the canned cycle lies above its R height")
-        clear_mm = max(r_mm, self.old_height_mm) if modal.retract_to_start else r_mm
-        peck_mm = None if sticky.q is None else sticky.q * modal.scale_mm
-        return Hole(r_mm, bottom_mm, clear_mm, peck_mm, sticky.p)
-
-    def _holes(self, block: Block, hole: Hole, code: int, count: int) -> Iterator[Move]:
-        _first, _second, third = PLANE_AXES[self.modal.plane]
-        spindle = self.modal.spindle
-        if self.old_height_mm < hole.r_mm:
-            yield self._height(hole.r_mm, third)
-            height_mm = hole.r_mm
-        elif self.at[third] <= hole.r_mm:
-            height_mm = self.old_height_mm if self.modal.retract_to_start else hole.r_mm
-        else:
-            height_mm = self.at[third]
-        restore = self._exact_path()
-        yield from restore[:1]
-        for _ in range(count):
-            across = list(self.target(block))
-            across[third] = height_mm
-            self.at = (across[0], across[1], across[2])
-            yield Rapid(self.line, self.coordinates.to_machine(self.at))
-            if height_mm != hole.r_mm:
-                yield self._height(hole.r_mm, third)
-            if code == 860 and spindle == 0:
-                raise ProgramError("G86 needs a turning spindle: start it with M3 or M4")
-            for stroke in cycles.STROKES[code](hole):
-                yield self._stroke(stroke, third, spindle)
-            height_mm = hole.clear_mm
-        yield from restore[1:]
-
-    def _exact_path(self) -> tuple[PathControl, ...]:
-        """What to say before and after: a hole's corners are never rounded."""
-        modal = self.modal
-        if modal.path_mode is PathMode.EXACT_PATH:
-            return ()
-        return (
-            PathControl(self.line, PathMode.EXACT_PATH, 0.0),
-            PathControl(self.line, modal.path_mode, modal.tolerance_mm),
-        )
-
-    def _height(self, height_mm: float, axis: int) -> Rapid:
-        at = list(self.at)
-        at[axis] = height_mm
-        self.at = (at[0], at[1], at[2])
-        return Rapid(self.line, self.coordinates.to_machine(self.at))
-
-    def _stroke(self, stroke: Stroke, axis: int, spindle: int) -> Move:
-        kind, value = stroke
-        if kind == "dwell":
-            return Dwell(self.line, value)
-        if kind in ("stop", "start"):
-            direction = cast(Literal[-1, 0, 1], spindle if kind == "start" else 0)
-            return Spindle(self.line, direction, self.modal.rev_min)
-        rapid = self._height(value, axis)
-        return rapid if kind == "rapid" else Feed(self.line, rapid.to, self.modal.feed_mm_min)
-
 
 _MOTIONS: Final[dict[int, Callable[[Motion, Block], Iterable[Move]]]] = {
     0: Motion._rapid,
@@ -373,5 +216,4 @@ _MOTIONS: Final[dict[int, Callable[[Motion, Block], Iterable[Move]]]] = {
     20: Motion._arc,
     30: Motion._arc,
     **dict.fromkeys((382, 383, 384, 385), Motion._probe),
-    **dict.fromkeys(CYCLES, Motion._cycle),
 }

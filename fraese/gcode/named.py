@@ -1,15 +1,14 @@
 """Parameters that answer: position, modes, tool and the like, by number or by name."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Final
+from collections.abc import Callable
+from typing import Final
 
 from fraese.gcode.canon import PathMode
+from fraese.gcode.frames import Frames
 from fraese.gcode.messages import DEBUG_SWITCH
-from fraese.gcode.parameters import Live
-
-if TYPE_CHECKING:
-    from fraese.gcode.interpreter import Interpreter
+from fraese.gcode.oword import Flow
+from fraese.gcode.parameters import Live, Parameters
+from fraese.gcode.position import LETTERS, Position
 
 POSITION: Final = 5420
 TOOL_NUMBER: Final = 5400
@@ -22,62 +21,66 @@ _SYSTEMS: Final = (540, 550, 560, 570, 580, 590, 591, 592, 593)
 _PATHS: Final = {PathMode.EXACT_PATH: 610, PathMode.EXACT_STOP: 611, PathMode.BLEND: 640}
 
 
-def install(interpreter: Interpreter) -> None:
-    """Connect the answering parameters to an interpreter."""
-    parameters = interpreter.parameters
+def install(
+    parameters: Parameters, position: Position, frames: Frames, flow: Callable[[], Flow]
+) -> None:
+    """Connect the answering parameters to what they tell of."""
     parameters.numbered.setdefault(DEBUG_SWITCH, 1.0)
-    parameters.live.update(_numbered(interpreter))
-    parameters.live_names.update(_modes(interpreter))
-    parameters.live_names.update(_places(interpreter))
+    parameters.live.update(_numbered(position, frames))
+    parameters.live_names.update(_modes(position))
+    parameters.live_names.update(_places(position))
+    parameters.live_names.update(_control(flow))
     parameters.live_names.update(_constants())
 
 
-def _program_position(interpreter: Interpreter, axis: int) -> Live:
-    motion, modal = interpreter._motion, interpreter._modal
-    return lambda: motion.at[axis] / modal.scale_mm
+def _program_position(position: Position, axis: int) -> Live:
+    return lambda: position.at[axis] / position.modal.scale_mm
 
 
-def _machine_position(interpreter: Interpreter, axis: int) -> Live:
-    return lambda: interpreter.position_mm[axis] / interpreter._modal.scale_mm
+def _machine_position(position: Position, axis: int) -> Live:
+    return lambda: position.machine[axis] / position.modal.scale_mm
 
 
 def _constant(value: float) -> Live:
     return lambda: value
 
 
-def _numbered(interpreter: Interpreter) -> dict[int, Live]:
-    modal = interpreter._modal
+def _numbered(position: Position, frames: Frames) -> dict[int, Live]:
+    modal = position.modal
     return {
         TOOL_NUMBER: lambda: float(modal.tool),
-        TOOL_LENGTH: lambda: interpreter._settings.tool_data(modal.tool).length_mm,
-        TOOL_DIAMETER: lambda: interpreter._settings.tool_data(modal.tool).diameter_mm,
-        **{POSITION + axis: _program_position(interpreter, axis) for axis in range(3)},
+        TOOL_LENGTH: lambda: frames.tool_data(modal.tool).length_mm,
+        TOOL_DIAMETER: lambda: frames.tool_data(modal.tool).diameter_mm,
+        **{POSITION + axis: _program_position(position, axis) for axis in range(3)},
     }
 
 
-def _places(interpreter: Interpreter) -> dict[str, Live]:
-    modal = interpreter._modal
-    answers: dict[str, Live] = {
-        "_line": lambda: float(interpreter._flow.source.line),
-        "_call_level": lambda: float(interpreter._flow.call_level),
-        "_value": lambda: interpreter._flow.value,
-        "_value_returned": lambda: interpreter._flow.value_returned,
+def _control(flow: Callable[[], Flow]) -> dict[str, Live]:
+    return {
+        "_line": lambda: float(flow().source.line),
+        "_call_level": lambda: float(flow().call_level),
+        "_value": lambda: flow().value,
+        "_value_returned": lambda: flow().value_returned,
+    }
+
+
+def _places(position: Position) -> dict[str, Live]:
+    answers: dict[str, Live] = {}
+    for axis, letter in enumerate(LETTERS):
+        answers[f"_{letter}"] = _program_position(position, axis)
+        answers[f"_abs_{letter}"] = _machine_position(position, axis)
+    return answers
+
+
+def _modes(position: Position) -> dict[str, Live]:
+    modal, coordinates = position.modal, position.coordinates
+    return {
         "_feed": lambda: modal.feed_word,
         "_rpm": lambda: modal.rev_min,
         "_current_tool": lambda: float(modal.tool),
         "_selected_tool": lambda: float(modal.selected_tool),
         "_current_pocket": lambda: float(modal.tool),
         "_selected_pocket": lambda: float(modal.selected_tool),
-    }
-    for axis, letter in enumerate("xyz"):
-        answers[f"_{letter}"] = _program_position(interpreter, axis)
-        answers[f"_abs_{letter}"] = _machine_position(interpreter, axis)
-    return answers
-
-
-def _modes(interpreter: Interpreter) -> dict[str, Live]:
-    modal, coordinates = interpreter._modal, interpreter._coordinates
-    return {
         "_motion_mode": lambda: float(800 if modal.motion is None else modal.motion),
         "_plane": lambda: modal.plane * 10.0,
         "_metric": lambda: float(modal.scale_mm == 1.0),

@@ -22,6 +22,8 @@ from fraese.gcode.subroutines import Library
 from fraese.gcode.words import plain
 
 MAX_CALLS: Final = 9
+# What an O-word alone on its line is: the name of a program, as other controls want it.
+PROGRAM_NUMBER: Final = ""
 # Longer ones first where one starts like another.
 _KEYWORD = re.compile(
     r"sub|endsub|call|return|if|elseif|else|endif|endwhile|while|do|endrepeat|repeat"
@@ -113,6 +115,8 @@ class Flow:
             name = reader.name()
         else:
             name = str(whole(reader.value(), "the number of an O-word"))
+        if not reader.rest().strip("("):
+            return OWord(name, PROGRAM_NUMBER, "")
         match = _KEYWORD.match(text, reader.at)
         if match is None:
             raise ProgramError(f"o<{name}> needs a known word behind it, such as sub, call or if")
@@ -306,6 +310,7 @@ class Flow:
 
 
 _HANDLERS: Final[dict[str, Callable[[Flow, OWord], None]]] = {
+    PROGRAM_NUMBER: lambda flow, word: None,
     "if": Flow._if,
     "elseif": Flow._other_branch,
     "else": Flow._other_branch,

@@ -1,10 +1,10 @@
-"""What a program finds when it starts, and what is left when it ends."""
+"""What a program finds when it starts."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from fraese.gcode.canon import PathMode, Plane, Point
+from fraese.gcode.canon import Point
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,37 +44,3 @@ class Setup:
     file: str = ""
     folders: tuple[Path, ...] = ()
     max_idle_lines: int = 300_000
-
-
-@dataclass(frozen=True, slots=True)
-class ModalState:
-    """What is in force between two lines: enough to show, or to start in the middle.
-
-    Positions and offsets are in mm, ``feed_mm_min`` is 0 where no feed has been given,
-    ``motion`` is the modal motion code as a word (``G1``) or empty after G80.
-    """
-
-    line: int
-    motion: str
-    plane: Plane
-    inches: bool
-    absolute: bool
-    arc_absolute: bool
-    inverse_time: bool
-    feed_mm_min: float
-    spindle: int
-    rev_min: float
-    mist: bool
-    flood: bool
-    tool: int
-    selected_tool: int
-    tool_offset_mm: Point
-    work_offset: int
-    work_offset_mm: Point
-    rotation_deg: float
-    g92_offset_mm: Point
-    retract_to_start: bool
-    path_mode: PathMode
-    tolerance_mm: float
-    overrides: bool
-    position_mm: Point

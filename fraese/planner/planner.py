@@ -13,64 +13,24 @@ Rule 3: blocks so far always allow a stop within themselves; after ``drain`` the
 Rule 4: memory does not grow with the length of the program, nor with that of an arc.
 """
 
-import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from enum import StrEnum
+from typing import Final
 
 from fraese.blocks import Block, Outputs, Watch, dwell
-from fraese.config import PlannerConfig
 from fraese.machine import Machine, Steps
 from fraese.planner.arcs import Point, arc_shape
-from fraese.planner.backlash import followed, take_up
 from fraese.planner.lookahead import Window
 from fraese.planner.merging import Chain
-from fraese.planner.rounding import rounder
-from fraese.planner.segments import UNLIMITED, Limits, Segment
+from fraese.planner.options import Options, PathMode
+from fraese.planner.segments import UNLIMITED, Limits
+from fraese.planner.targets import Targets
 from fraese.planner.timing import BlockMaker
 
-_S_PER_MIN = 60
+__all__ = ["Options", "PathMode", "Planner"]
 
-
-class PathMode(StrEnum):
-    """How closely the path is followed."""
-
-    #: Every corner is passed exactly; the speed there is what the axes can jump by.
-    EXACT_PATH = "G61"
-    #: The same, and no corner is passed above the start/stop rates.
-    EXACT_STOP = "G61.1"
-    #: Points on a straight line within a tolerance are merged.
-    BLEND = "G64"
-
-
-@dataclass(frozen=True, slots=True)
-class Options:
-    """What can be chosen.
-
-    Attributes:
-        chord_tolerance_mm: greatest distance of chords from an arc.
-        min_block_s: time of a block at least, in the mean of eight.
-        max_block_s: longer moves are cut.
-        window: segments that the look-ahead holds at most.
-        rate_factor: part of the axes' rates that may be used (a machine not referenced).
-    """
-
-    chord_tolerance_mm: float = 0.005
-    min_block_s: float = 0.004
-    max_block_s: float = 1.0
-    window: int = 200
-    rate_factor: float = 1.0
-
-    @classmethod
-    def from_config(cls, config: PlannerConfig, rate_factor: float = 1.0) -> "Options":
-        """Options as configured."""
-        return cls(
-            chord_tolerance_mm=config.chord_tolerance_mm,
-            min_block_s=config.min_block_ms / 1000,
-            max_block_s=config.max_block_s,
-            window=config.window,
-            rate_factor=rate_factor,
-        )
+_S_PER_MIN: Final = 60
+#: A feed below this takes longer than a life for any move; it would not be told from none.
+_SLOWEST_MM_S: Final = 1e-6
 
 
 class Planner:
@@ -90,50 +50,53 @@ class Planner:
         self,
         machine: Machine,
         start_steps: Steps,
-        options: Options = Options(),
+        options: Options = Options(),  # noqa: B008 (immutable)
         slack_steps: Steps | None = None,
     ) -> None:
         self._machine = machine
         self._options = options
         self._limits = Limits(machine, options.rate_factor)
-        self._window = Window(
-            self._limits, BlockMaker(machine), options.window, options.min_block_s
-        )
-        self._to_x, self._to_y, self._to_z = (rounder(axis) for axis in machine.axes)
-        self._backlash_steps = tuple(axis.backlash_steps for axis in machine.axes)
-        self._has_backlash = any(self._backlash_steps)
-        self._slack_steps = slack_steps or (0, 0, 0)
+        self._maker = BlockMaker(machine)
         self._exact_stop = False
         self._tolerance_mm = 0.0
-        self._chain = Chain()
-        self._streaming = False
-        self._outputs: Outputs | None = None
         self._override = 1.0
-        self._reached_steps = start_steps
-        # The target last commanded, and the one at which the last segment ended.
-        self._target_mm = self._segment_mm = self._point(machine.to_mm(start_steps))
+        self._begin_at(start_steps, slack_steps or (0, 0, 0))
+
+    def _begin_at(self, position_steps: Steps, slack_steps: Steps) -> None:
+        options = self._options
+        window = Window(self._limits, self._maker, options.window, options.min_block_s)
+        window.set_override(self._override)
+        self._window = window
+        self._targets = Targets(
+            self._machine,
+            self._limits,
+            window,
+            options.max_block_s,
+            position_steps,
+            slack_steps,
+        )
+        self._targets.exact_stop = self._exact_stop
+        self._targets.override = self._override
+        self._chain = Chain()
+        x_mm, y_mm, z_mm = self._machine.to_mm(position_steps)
+        self._target_mm = x_mm, y_mm, z_mm
 
     # --- where it is ---------------------------------------------------------------------------
 
     @property
     def position_steps(self) -> Steps:
         """Axis steps at the end of all that was planned."""
-        return self._reached_steps
+        return self._targets.reached_steps
 
     @property
     def slack_steps(self) -> Steps:
         """Slack of the axes there."""
-        return self._slack_steps
+        return self._targets.slack_steps
 
     @property
     def pending(self) -> int:
         """Segments whose blocks are not final."""
         return len(self._window) + (self._chain.end is not None)
-
-    @staticmethod
-    def _point(position_mm: Sequence[float]) -> Point:
-        x, y, z = position_mm
-        return x, y, z
 
     # --- moves ---------------------------------------------------------------------------------
 
@@ -157,7 +120,7 @@ class Planner:
         return self._line(to_mm, feed_mm_s, tag)
 
     def _line(self, to_mm: Point, feed_mm_s: float, tag: int) -> Iterable[Block]:
-        parts = self._go(to_mm, feed_mm_s, UNLIMITED, tag)
+        parts = self._targets.go(to_mm, feed_mm_s, UNLIMITED, tag)
         self._target_mm = to_mm
         if parts is not None:
             return parts
@@ -206,7 +169,7 @@ class Planner:
         feed_mm_s = self._begin(feed_mm_min)
         shape = arc_shape(self._target_mm, to_mm, centre_mm, plane, turns)
         self._target_mm = to_mm
-        self._streaming = True
+        self._targets.streaming = True
         first, second, _ = shape.axes
         axes = self._machine.axes
         inward_mm_s2 = min(
@@ -224,16 +187,16 @@ class Planner:
         self, corners: Iterator[Point], feed_mm_s: float, curve_mm_s: float, tag: int
     ) -> Iterator[Block]:
         yield from self._end_chain() or ()
-        exact_stop, window = self._exact_stop, self._window
+        targets, window = self._targets, self._window
         for corner in corners:
-            yield from self._go(corner, feed_mm_s, curve_mm_s, tag) or ()
-            self._streaming = True
+            yield from targets.go(corner, feed_mm_s, curve_mm_s, tag) or ()
+            targets.streaming = True
             # Only the ends of an arc are corners of the program.
-            self._exact_stop = False
+            targets.exact_stop = False
             if window.due:
                 yield from window.settle()
-        self._exact_stop = exact_stop
-        self._streaming = False
+        targets.exact_stop = self._exact_stop
+        targets.streaming = False
 
     def watched(
         self, to_mm: Point, feed_mm_min: float | None, watch: Watch, tag: int = 0
@@ -247,7 +210,7 @@ class Planner:
         """
         feed_mm_s = self._begin(feed_mm_min)
         blocks = list(self.drain())
-        self._go(to_mm, feed_mm_s, UNLIMITED, tag, watch)
+        self._targets.go(to_mm, feed_mm_s, UNLIMITED, tag, watch)
         self._target_mm = to_mm
         return blocks + self._window.settle(everything=True)
 
@@ -257,8 +220,8 @@ class Planner:
         Raises:
             ValueError: if the duration is negative.
         """
-        blocks = [*self.drain(), dwell(3, duration_s, tag)._replace(outputs=self._outputs)]
-        self._outputs = None
+        blocks = [*self.drain(), dwell(3, duration_s, tag)._replace(outputs=self._targets.outputs)]
+        self._targets.outputs = None
         if duration_s >= max(2 / axis.start_rate_hz for axis in self._machine.axes):
             self._window.stand()
         return blocks
@@ -267,11 +230,11 @@ class Planner:
         """Change free outputs at the first tick of the next move, without stopping for it."""
         self._require_taken()
         blocks = list(self._end_chain() or ())
-        if self._outputs is not None:
-            before, was = self._outputs
+        if self._targets.outputs is not None:
+            before, was = self._targets.outputs
             value = was & ~mask | value & mask
             mask |= before
-        self._outputs = Outputs(mask, value & mask)
+        self._targets.outputs = Outputs(mask, value & mask)
         return blocks
 
     def path_control(self, mode: str, tolerance_mm: float = 0.0) -> Sequence[Block]:
@@ -287,7 +250,7 @@ class Planner:
         self._require_taken()
         wanted = PathMode(mode)
         blocks = list(self._end_chain() or ())
-        self._exact_stop = wanted is PathMode.EXACT_STOP
+        self._exact_stop = self._targets.exact_stop = wanted is PathMode.EXACT_STOP
         self._tolerance_mm = tolerance_mm if wanted is PathMode.BLEND else 0.0
         return blocks
 
@@ -309,9 +272,9 @@ class Planner:
     def finish(self) -> Sequence[Block]:
         """The same at the end of a program; outputs that wait for a move do not wait longer."""
         blocks = list(self.drain())
-        if self._outputs is not None:
-            blocks.append(dwell(3, 0)._replace(outputs=self._outputs))
-            self._outputs = None
+        if self._targets.outputs is not None:
+            blocks.append(dwell(3, 0)._replace(outputs=self._targets.outputs))
+            self._targets.outputs = None
         self._window.stand()
         return blocks
 
@@ -326,7 +289,7 @@ class Planner:
         """
         if not 0.1 <= factor <= 2:
             raise ValueError("a feed override is 10 to 200 %")
-        self._override = factor
+        self._override = self._targets.override = factor
         self._window.set_override(factor)
 
     def reset(self, position_steps: Steps, slack_steps: Steps | None = None) -> None:
@@ -334,21 +297,9 @@ class Planner:
 
         After a stop, a flush or a probe; modes, override and options stay.
         """
-        self._window = Window(
-            self._limits,
-            BlockMaker(self._machine),
-            self._options.window,
-            self._options.min_block_s,
-        )
-        self._window.set_override(self._override)
-        self._chain.end = None
-        self._streaming = False
-        self._outputs = None
-        self._reached_steps = position_steps
-        self._slack_steps = slack_steps or self._slack_steps
-        self._target_mm = self._segment_mm = self._point(self._machine.to_mm(position_steps))
+        self._begin_at(position_steps, slack_steps or self.slack_steps)
 
-    # --- from points to segments ---------------------------------------------------------------
+    # --- between -------------------------------------------------------------------------------
 
     def _begin(self, feed_mm_min: float | None) -> float:
         """Every move begins here: nothing is left over, and the feed in mm/s."""
@@ -357,10 +308,10 @@ class Planner:
             return UNLIMITED
         if not feed_mm_min > 0:
             raise ValueError("a feed is positive")
-        return feed_mm_min / _S_PER_MIN * self._options.rate_factor
+        return max(_SLOWEST_MM_S, feed_mm_min / _S_PER_MIN * self._options.rate_factor)
 
     def _require_taken(self) -> None:
-        if self._streaming:
+        if self._targets.streaming:
             raise RuntimeError("the blocks of the move before were not taken")
 
     def _end_chain(self) -> Iterator[Block] | None:
@@ -369,70 +320,4 @@ class Planner:
         if chain.end is None:
             return None
         end_mm, chain.end = chain.end, None
-        return self._go(end_mm, chain.feed_mm_s, UNLIMITED, chain.tag)
-
-    def _go(
-        self,
-        to_mm: Point,
-        feed_mm_s: float,
-        top_mm_s: float,
-        tag: int,
-        watch: Watch | None = None,
-    ) -> Iterator[Block] | None:
-        """Round the target, take up backlash, and hand the move to the window.
-
-        A long move is handed over in parts while its blocks are taken; else there are none here.
-        """
-        x_mm, y_mm, z_mm = to_mm
-        to_x, to_y, to_z = self._to_x(x_mm), self._to_y(y_mm), self._to_z(z_mm)
-        at_x, at_y, at_z = self._reached_steps
-        steps = to_x - at_x, to_y - at_y, to_z - at_z
-        if steps == (0, 0, 0):
-            return None
-        from_x, from_y, from_z = self._segment_mm
-        way_mm = x_mm - from_x, y_mm - from_y, z_mm - from_z
-        self._reached_steps = to_x, to_y, to_z
-        self._segment_mm = to_mm
-        if self._has_backlash:
-            self._take_up(steps, tag, watch)
-        outputs = self._outputs
-        segment = self._limits.segment(steps, way_mm, feed_mm_s, top_mm_s, outputs, tag, watch)
-        if outputs is not None:
-            self._outputs = None
-        longest_mm = min(feed_mm_s * self._override, segment.top_mm_s) * self._options.max_block_s
-        if segment.length_mm > longest_mm and watch is None:
-            self._streaming = True
-            return self._in_parts(segment, way_mm, math.ceil(segment.length_mm / longest_mm))
-        self._window.append(segment, self._exact_stop)
-        return None
-
-    def _in_parts(self, whole: Segment, way_mm: Point, parts: int) -> Iterator[Block]:
-        """Cut a long segment: each cut is rounded to the step that is nearest to the line."""
-        done = (0, 0, 0)
-        exact_stop, outputs, window = self._exact_stop, whole.outputs, self._window
-        for part in range(1, parts + 1):
-            x, y, z = ((2 * n * part + parts) // (2 * parts) for n in whole.steps)
-            steps = x - done[0], y - done[1], z - done[2]
-            if steps == (0, 0, 0):
-                continue
-            done = x, y, z
-            segment = self._limits.segment(
-                steps, way_mm, whole.feed_mm_s, whole.top_mm_s, outputs, whole.tag
-            )
-            window.append(segment, exact_stop)
-            exact_stop, outputs = False, None
-            if window.due:
-                yield from window.settle()
-        self._streaming = False
-
-    def _take_up(self, steps: tuple[int, int, int], tag: int, watch: Watch | None) -> None:
-        """Before axes turn round, the steps that only their motors make."""
-        slack, backlash = self._slack_steps, self._backlash_steps
-        x, y, z = map(take_up, slack, backlash, steps)
-        extra = (x, y, z)
-        if extra != (0, 0, 0):
-            segment = self._limits.segment(extra, None, UNLIMITED, UNLIMITED, None, tag, watch)
-            self._window.append(segment, self._exact_stop)
-            self._slack_steps = tuple(
-                followed(*each)[1] for each in zip(slack, backlash, extra, strict=True)
-            )
+        return self._targets.go(end_mm, chain.feed_mm_s, UNLIMITED, chain.tag)

@@ -9,8 +9,8 @@ r"""Time laws: what the leading axis does along a line, as pieces of integers.
 Rule 1: within a piece the interval changes by the same amount each tick; the true law is convex,
         so a chord lies above it: what is played is never faster than what was meant.
 Rule 2: a piece ends where the squared rate has grown by ``_GROWTH``. Along a chord the
-        acceleration goes with the cube of the rate: it is at most 7 % too steep at its fast end
-        and 7 % too flat at its slow end.
+        acceleration goes with the cube of the rate: it is at most 9 % too steep at its fast end
+        and as much too flat at its slow end.
 Rule 3: a braking ramp is the mirror image of the same ramp upwards, to the cycle.
 Rule 4: a motor is not torn from acceleration into braking (X4Step): where both meet before the
         cruise rate is reached, ``CREST_TICKS`` ticks at constant rate come in between.
@@ -24,7 +24,7 @@ from fraese.blocks import CYCLES_PER_S, Q8, Piece
 #: Ticks at constant rate between acceleration and braking on a short move.
 CREST_TICKS: Final = 4
 
-_GROWTH: Final = 0.1
+_GROWTH: Final = 0.125
 #: Each tick of a piece may lose 1/256 cycle to the rounding of ``add``: never more than one cycle.
 _MOST_TICKS: Final = Q8 + 1
 _UNITS_PER_S: Final = CYCLES_PER_S * Q8
@@ -50,20 +50,27 @@ def ramp_up(start_hz2: float, twice_hz_s: float, ticks: int) -> list[Piece]:
         twice_hz_s: two times the acceleration, positive, ticks/s**2.
         ticks: length of the ramp; 0 gives no piece.
     """
-    pieces = []
-    done = 0
+    pieces: list[Piece] = []
+    per_tick = _GROWTH / twice_hz_s
     squared, rate = start_hz2, _sqrt(start_hz2)
+    done = 0
     while done < ticks:
-        count = min(ticks - done, int(squared / twice_hz_s * _GROWTH) + 2, _MOST_TICKS)
+        count = int(squared * per_tick) + 2
+        if count > _MOST_TICKS:
+            count = _MOST_TICKS
+        if count > ticks - done:
+            count = ticks - done
         # A tick takes 2 / (v0 + v1): the difference of two roots without cancellation.
-        first_q8 = min(_LONGEST_Q8, _ceil(_TWICE_UNITS / (rate + _sqrt(squared + twice_hz_s))))
+        first_q8 = _ceil(_TWICE_UNITS / (rate + _sqrt(squared + twice_hz_s)))
         done += count
         squared = start_hz2 + twice_hz_s * done
         rate = _sqrt(squared)
         add_q8 = 0
-        if count > 1:
+        if first_q8 > _LONGEST_Q8:
+            first_q8 = _LONGEST_Q8
+        elif count > 1:
             last_q8 = _ceil(_TWICE_UNITS / (_sqrt(squared - twice_hz_s) + rate))
-            add_q8 = (first_q8 - min(_LONGEST_Q8, last_q8)) // (count - 1)
+            add_q8 = (first_q8 - last_q8) // (count - 1)
         pieces.append(_new(Piece, (count, first_q8, -add_q8)))
     return pieces
 

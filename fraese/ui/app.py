@@ -1,7 +1,7 @@
-"""The app: commands in, pictures out.
+r"""The app: commands in, pictures out.
 
     key ----action----> worker.submit ----> run loop ----offer----> feed ----> screen
-         \\---stop, hold---> flag (no queue in between)
+         \---stop, hold---> flag (no queue in between)
 
 Rule 1: nothing heavy happens in this thread; the machine's thread posts messages, no more.
 Rule 2: stop and hold do not wait in line behind anything.
@@ -11,7 +11,6 @@ Rule 4: however the app ends, the worker is closed: the motors are off.
 """
 
 import asyncio
-import os
 import signal
 import sys
 import time
@@ -33,12 +32,15 @@ from fraese.ui.feed import StateFeed
 from fraese.ui.jogging import Jog, Jogger
 from fraese.ui.keys import COMMANDS, FIRST_WIDTH, WIDTHS, RepeatRule
 from fraese.ui.machine_screen import PICTURES, MachineScreen
+from fraese.ui.pages import LivePage
 from fraese.ui.programs import OpenProgram, Program, in_words
 from fraese.ui.themes import DARK, LIGHT
 from fraese.worker import Command, Worker
 
 #: Between two redraws.
 _FRAME_S: Final = 0.04
+#: An answer has arrived after this time; the same question then is a new one.
+_ANSWER_S: Final = 0.3
 #: The step loop of a simulated mill shares the interpreter: let it have its turn soon.
 _SWITCH_INTERVAL_S: Final = 0.0005
 _BUSY: Final = "The machine runs: stop it (Esc) or wait for the end of the job; nothing was done."
@@ -127,7 +129,7 @@ class FraeseApp(App[None]):
         self._hand = hand
         self._worker = Worker(
             controller,
-            on_refusal=lambda sentence: self.post_message(Refused(sentence)),
+            on_refusal=self._tell_refusal,
             on_idle=self._offer,
         )
         self._feed = StateFeed(lambda: self.post_message(StateChanged()))
@@ -137,6 +139,7 @@ class FraeseApp(App[None]):
         self._width = FIRST_WIDTH
         self._state = controller.state()
         self._drawn_at_s = 0.0
+        self._answered_at_s = 0.0
         self._draw_planned = False
         self._stopping = False
         self._holding = False
@@ -173,7 +176,7 @@ class FraeseApp(App[None]):
     async def run_async(self, **options: Any) -> None:
         """As Textual's; on every way out the motors are off."""
         loop = asyncio.get_running_loop()
-        for number in (signal.SIGTERM, signal.SIGHUP):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             loop.add_signal_handler(number, self._leave_by_signal, number)
         try:
             await super().run_async(**options)
@@ -186,6 +189,11 @@ class FraeseApp(App[None]):
         self.exit(return_code=128 + number)
 
     @property
+    def machine_state(self) -> MachineState:
+        """The state last drawn."""
+        return self._state
+
+    @property
     def busy(self) -> bool:
         """The machine's thread has something to do, or there is something left to draw."""
         return self._worker.busy or self._draw_planned
@@ -194,6 +202,9 @@ class FraeseApp(App[None]):
 
     def _offer(self) -> None:
         self._feed.offer(self._controller.state())
+
+    def _tell_refusal(self, sentence: str) -> None:
+        self.post_message(Refused(sentence))
 
     def _full_display(self) -> None:
         state = self._controller.state()
@@ -237,17 +248,14 @@ class FraeseApp(App[None]):
 
     def _show_on_top(self, state: MachineState) -> None:
         """Pages above the main screen that show the machine, and the job's question."""
-        from fraese.ui.dialogs import AskDialog
-        from fraese.ui.switch_screen import SwitchScreen
-
         top = self.screen
-        if isinstance(top, SwitchScreen):
+        if isinstance(top, LivePage):
             top.show(state)
-        elif isinstance(top, AskDialog):
-            if not state.question:
-                top.dismiss(None)
-        elif state.question:
-            self.push_screen(AskDialog(state.question), self._answered)
+        elif state.question and time.monotonic() > self._answered_at_s + _ANSWER_S:
+            from fraese.ui.dialogs import AskDialog
+
+            question = state.question
+            self.push_screen(AskDialog(question), lambda done: self._answered(question, done))
 
     def on_alarmed(self, message: Alarmed) -> None:
         """The job ended with an error."""
@@ -300,7 +308,7 @@ class FraeseApp(App[None]):
 
     # --- commands ------------------------------------------------------------------------------
 
-    def _order(self, command: Command, *, moves: bool = True) -> None:
+    def order(self, command: Command, *, moves: bool = True) -> None:
         """Hand a command to the machine's thread."""
         before = self._before_motion if moves else None
 
@@ -342,17 +350,15 @@ class FraeseApp(App[None]):
     def action_acknowledge(self) -> None:
         """Take note of an error."""
         if self._state.status is Status.ERROR:
-            self._order(self._controller.acknowledge, moves=False)
+            self.order(self._controller.acknowledge, moves=False)
 
     def action_jog(self, axis: str, sign: int) -> None:
         """One press."""
         width_mm = WIDTHS[self._width].mm
         factor = self._repeats.factor
         self._machine.show_width(self._width, factor)
-        if width_mm is None:
-            jog = Jog(axis, steps=sign * factor)
-        else:
-            jog = Jog(axis, mm=sign * width_mm)
+        single = Jog(axis, steps=sign * factor)
+        jog = single if width_mm is None else Jog(axis, mm=sign * width_mm)
         if not self._jogger.press(jog, self._before_motion):
             self._refuse(_BUSY)
 
@@ -378,7 +384,7 @@ class FraeseApp(App[None]):
         if not isinstance(wanted, GoTo):
             return
         self._last_go_to = wanted
-        self._order(
+        self.order(
             lambda: self._controller.move_to(
                 wanted.target.targets_mm,
                 relative=wanted.counted_from is From.HERE,
@@ -397,7 +403,7 @@ class FraeseApp(App[None]):
         from fraese.ui.dialogs import Reference
 
         if isinstance(wanted, Reference):
-            self._order(lambda: self._controller.home(wanted.axes, measure=wanted.measure))
+            self.order(lambda: self._controller.home(wanted.axes, measure=wanted.measure))
 
     def action_zero(self, axis: str) -> None:
         """Work zero here, of one axis or (empty) all."""
@@ -411,12 +417,12 @@ class FraeseApp(App[None]):
             )
             self.post_message(Noted(f"Work zero set here; this point was {was} mm before."))
 
-        self._order(zero, moves=False)
+        self.order(zero, moves=False)
 
     def action_ignore(self) -> None:
         """Contacts stop the motors, or do not."""
         ignore = not self._state.switch_ignored
-        self._order(lambda: self._controller.ignore_switches(ignore), moves=False)
+        self.order(lambda: self._controller.ignore_switches(ignore), moves=False)
 
     def action_log(self) -> None:
         """Log on or off, also while a job runs."""
@@ -471,11 +477,14 @@ class FraeseApp(App[None]):
         self._worker.cancel()
         self.exit()
 
-    def _answered(self, done: object) -> None:
+    def _answered(self, question: str, done: object) -> None:
         """The job's question: done, or the job is to be stopped."""
+        if self._state.question != question:
+            return
+        self._answered_at_s = time.monotonic()
         if done:
             self._controller.answer()
-        elif self._state.question:
+        else:
             self._worker.cancel()
 
     # --- programs ------------------------------------------------------------------------------
@@ -516,7 +525,7 @@ class FraeseApp(App[None]):
                 self.post_message(Noted(warning, warning=True))
             self.post_message(Noted(f"{program.name}: {in_words(facts)}. Start it with s."))
 
-        self._order(check, moves=False)
+        self.order(check, moves=False)
 
     def action_start(self) -> None:
         """Run the program."""
@@ -524,4 +533,4 @@ class FraeseApp(App[None]):
         if program is None:
             self._refuse("No program is loaded: open one with o.")
             return
-        self._order(lambda: program.start(self._controller))
+        self.order(lambda: program.start(self._controller))

@@ -10,11 +10,12 @@ from textual import on
 from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Horizontal, Vertical
-from textual.screen import ModalScreen
 from textual.widgets import Button, Checkbox, DirectoryTree, Input, RadioButton, RadioSet
 
 from fraese.errors import UsageError
+from fraese.state import MachineState
 from fraese.ui.fact import Fact
+from fraese.ui.pages import LivePage
 from fraese.ui.targets import Target, parse_target
 
 R = TypeVar("R")
@@ -46,7 +47,7 @@ class Choice(RadioButton):
         super().watch_value()
 
 
-class Dialog(ModalScreen[R | None]):
+class Dialog(LivePage[R | None]):
     """A box in the middle, with a title and two buttons. The result None: nothing is wanted."""
 
     BINDINGS = [Binding("escape", "back", "Back", show=False)]  # noqa: RUF012
@@ -68,6 +69,9 @@ class Dialog(ModalScreen[R | None]):
     def inner(self) -> ComposeResult:
         """What is asked."""
         yield from ()
+
+    def show(self, state: MachineState) -> None:
+        """Most dialogs do not care how the machine stands."""
 
     def complain(self, sentence: str) -> None:
         """Say what is wrong; the dialog stays."""
@@ -175,8 +179,8 @@ class ReferenceDialog(Dialog[Reference]):
 
     BINDINGS = [  # noqa: RUF012
         Binding("enter", "accept", show=False, priority=True),
-        Binding("m", "toggle('measure')", show=False),
-        *(Binding(axis, f"toggle('axis-{axis}')", show=False) for axis in "xyz"),
+        Binding("m", "tick('measure')", show=False),
+        *(Binding(axis, f"tick('axis-{axis}')", show=False) for axis in "xyz"),
     ]
     HEADING = "Reference: run to the end switches"
     YES = "Reference"
@@ -193,7 +197,7 @@ class ReferenceDialog(Dialog[Reference]):
                 yield Tick(axis.upper(), True, id=f"axis-{axis}")
         yield Tick("measure the travel to the other end too", id="measure")
 
-    def action_toggle(self, name: str) -> None:
+    def action_tick(self, name: str) -> None:
         """Tick or untick."""
         self.query_one(f"#{name}", Checkbox).toggle()
 
@@ -276,6 +280,11 @@ class AskDialog(Dialog[bool]):
     def inner(self) -> ComposeResult:
         """The question."""
         yield Fact(self._question, classes="question")
+
+    def show(self, state: MachineState) -> None:
+        """The job may have ended, or ask for something else."""
+        if state.question != self._question:
+            self.dismiss(None)
 
     def action_accept(self) -> None:
         """It has been done."""

@@ -7,8 +7,12 @@ class Fact(Static):
     """A few words; ``show`` costs a comparison while they stay the same."""
 
     def __init__(
-        self, text: str = "", *, id: str | None = None, classes: str | None = None
-    ) -> None:  # noqa: A002
+        self,
+        text: str = "",
+        *,
+        id: str | None = None,  # noqa: A002
+        classes: str | None = None,
+    ) -> None:
         super().__init__(text, id=id, classes=classes, markup=False)
         self._text = text
         self._tone = ""
@@ -19,8 +23,8 @@ class Fact(Static):
             self._text = text
             self.update(text, layout=False)
         if tone != self._tone:
-            self.set_classes([*(name for name in self.classes if name != self._tone), tone])
-            self._tone = tone
+            before, self._tone = self._tone, tone
+            self.set_classes((self.classes - {before}) | ({tone} if tone else set()))
 
     @property
     def text(self) -> str:

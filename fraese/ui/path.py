@@ -77,4 +77,4 @@ class PathView(ScrollView, can_focus=False):
 
 
 #: Control characters in a file must not reach the terminal.
-_VISIBLE = {code: "·" for code in [*range(32), *range(127, 160)]}
+_VISIBLE = dict.fromkeys([*range(32), *range(127, 160)], "·")

@@ -49,8 +49,7 @@ class AxisRow(Vertical):
             self._steps.show(str(state.position_steps[i]))
         if self._small.display:
             self._small.show(
-                f"machine {millimetres(state.position_mm[i])} mm"
-                f"   {state.position_steps[i]} half-steps"
+                f"machine {millimetres(state.position_mm[i])} mm  {state.position_steps[i]} steps"
             )
         if self._gauge.display:
             self._gauge.show(self._way(state), "" if referenced else "-weak")

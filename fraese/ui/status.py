@@ -17,7 +17,7 @@ _TONES = {
 def status_word(state: MachineState, stopping: bool) -> str:
     """OK, RUN, CANCEL, ERROR; HOLD and WAIT where a running job stands."""
     if state.status is not Status.RUN:
-        return state.status.value
+        return str(state.status.value)
     if stopping:
         return "CANCEL"
     if state.question:

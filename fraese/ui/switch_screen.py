@@ -5,11 +5,11 @@ from collections.abc import Callable
 from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
-from textual.screen import ModalScreen
 
 from fraese.state import MachineState
 from fraese.switchtest import SwitchTest
 from fraese.ui.fact import Fact
+from fraese.ui.pages import LivePage
 from fraese.ui.status import switch_words
 
 Hand = Callable[[str, bool], None]
@@ -28,7 +28,7 @@ class SwitchRow(Fact):
         self._page.ask(self._end_name)
 
 
-class SwitchScreen(ModalScreen[None]):
+class SwitchScreen(LivePage[None]):
     """Asks for one switch after the other; motors stand.
 
     Args:

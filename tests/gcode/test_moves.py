@@ -138,8 +138,10 @@ def test_behind_a_probe_the_position_is_where_the_machine_stopped() -> None:
     assert result[1] == Rapid(2, (4.2, 0, 0))
 
 
-def test_without_answer_a_probe_touches_at_its_target() -> None:
-    assert moves("g38.2 x5 f10 | g0 x[#5061+#5070]")[1] == Rapid(2, (6, 0, 0))
+@pytest.mark.parametrize(("code", "touched"), [("g38.2", 1), ("g38.3", 0), ("g38.5", 0)])
+def test_without_answer_a_probe_goes_to_its_target(code: str, touched: int) -> None:
+    result = moves(f"{code} x5 f10 | g0 y[#5061+#5070]")
+    assert result[1] == Rapid(2, (5, 5 + touched, 0))
 
 
 def test_a_probe_that_must_touch_and_does_not_is_refused() -> None:

@@ -62,3 +62,9 @@ def test_refused_with_line_and_reason(text: str, said: str) -> None:
 def test_a_loop_that_moves_may_go_on_for_ever() -> None:
     text = "o1 repeat [5000] | g91 g0 x1 | o1 endrepeat"
     assert len(moves(text, max_idle_lines=10)) == 5001
+
+
+@pytest.mark.parametrize("body", ["g0 x1", "(print,still here)", "g4 p1", "f100", "m8"])
+def test_a_loop_that_gets_nowhere_ends(body: str) -> None:
+    with pytest.raises(ProgramError, match="never ends"):
+        moves(f"o1 while [1] | {body} | o1 endwhile", max_idle_lines=2_000)

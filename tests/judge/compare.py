@@ -40,7 +40,7 @@ def our_verdict(text: str, tools: dict[int, float] | None = None, **setup: Any) 
             move = run.send(answer)
             answer = None
             if isinstance(move, canon.Probe):
-                answer = _short_of(at, move.to)
+                answer = _short_of(at, move)
                 at = answer.position_mm
             elif isinstance(move, canon.Rapid | canon.Feed | canon.Arc):
                 at = move.to
@@ -52,11 +52,12 @@ def our_verdict(text: str, tools: dict[int, float] | None = None, **setup: Any) 
         return verdict
 
 
-def _short_of(start: canon.Point, to: canon.Point) -> canon.Facts:
+def _short_of(start: canon.Point, probe: canon.Probe) -> canon.Facts:
+    to = probe.to
     length_mm = math.dist(start, to)
     part = 1 - 0.01 * INCH_MM / length_mm if length_mm else 1.0
     x, y, z = (a + (b - a) * part for a, b in zip(start, to, strict=True))
-    return canon.Facts((x, y, z), touched=True, contact_mm=to)
+    return canon.Facts((x, y, z), touched=probe.must_touch, contact_mm=to)
 
 
 def _event(move: canon.Move) -> Event:

@@ -10,6 +10,7 @@ stops 0.01 inch short of the target.
 """
 
 import math
+import os
 import re
 import shutil
 import subprocess
@@ -65,12 +66,14 @@ def judge(
         stdin=subprocess.DEVNULL,
         capture_output=True,
         timeout=TIMEOUT_S,
+        # It shares its tool table by a file in the home folder: one for each judge.
+        env={**os.environ, "HOME": str(folder)},
         check=False,
     )
     verdict = Verdict(list(_Listener().listen(done.stdout.decode("latin-1"))))
     if done.returncode:
         said = done.stderr.decode("latin-1").splitlines()
-        verdict.refused = " / ".join(said[1:]) or "refused"
+        verdict.refused = " / ".join(said[1:]) or f"exit code {done.returncode}: {said}"
     return verdict
 
 

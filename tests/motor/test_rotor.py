@@ -11,7 +11,7 @@ from fraese.blocks import Piece, accel_q_from_hz_s
 from fraese.motor.mill import RotorLimits
 from fraese.motor.phases import MOTRUN
 from fraese.motor.seams import End, IdleLevel, Report
-from fraese.planner.ramps import trapezoid
+from fraese.planner.ramps import mirrored, trapezoid
 from tests.motor.workbench import (
     ACCELERATION_HZ_S,
     TRAVEL_STEPS,
@@ -77,6 +77,17 @@ class TestFollows:
             bench = Workbench(limits=LIMITS)
             bench.run(*[steady(ahead, rate_hz=1190), steady(-9, rate_hz=1190)] * 4)
             assert bench.wait().lost() == (0, 0, 0)
+
+    @pytest.mark.parametrize("ticks", range(996, 1008))
+    def test_turning_round_between_ramps_at_its_limits(self, ticks: int) -> None:
+        bench = Workbench(limits=RotorLimits(2600, 330, 24_000))
+        out = trapezoid(ticks, 280, 2500, 280, 20_000)
+        blocks = [
+            line(steps)._replace(pieces=tuple(law), accel_q=accel_q_from_hz_s(20_000))
+            for steps, law in ((ticks, out), (-ticks, mirrored(out)))
+        ]
+        bench.run(*blocks)
+        assert bench.wait().lost() == (0, 0, 0)
 
 
 class TestLoses:

@@ -407,3 +407,38 @@ def test_a_long_merged_line_comes_before_what_ended_it() -> None:
     wanted = [[4000, 0, 0], [4000, 1800, 0], [1000, 1800, 0]]
     assert [corner for corner in corners if corner in wanted] == wanted
     assert corners == sorted(corners, key=lambda at: (at[1], at[0] if at[1] == 0 else -at[0]))
+
+
+@pytest.mark.parametrize("feed", [1e-3, 1e-9, 1e-300])
+def test_a_feed_slower_than_anything_is_a_step_a_second(feed: float) -> None:
+    blocks = run(planner(machine()), [(0.1, 0.0, 0.0)], feed)
+    assert total_steps(blocks) == (20, 0, 0)
+    assert 18 < duration_s(blocks) < 21
+
+
+@pytest.mark.parametrize("mix_mm", [(0.01,), (0.01, 0.02, 1.0), (0.05, 0.01), (0.005, 5.0)])
+def test_sixteen_blocks_in_a_row_take_their_time_whatever_their_mixture(
+    mix_mm: tuple[float, ...],
+) -> None:
+    lengths_mm = [mix_mm[k * k % 7 % len(mix_mm)] for k in range(800)]
+    points = [(x_mm, 0.0, 0.0) for x_mm in np.cumsum(lengths_mm).tolist()]
+    blocks = run(planner(machine(), max_block_s=100.0, min_block_s=0.004), points, 1200.0)
+    times = np.array([duration_s([block]) for block in blocks])
+    means = np.convolve(times, np.ones(16) / 16, "valid")[8:]
+    assert means.min() >= 0.8 * 0.004
+
+
+def test_no_axis_is_accelerated_for_long_by_more_than_it_can_on_a_wavy_path() -> None:
+    axes = machine()
+    wave = [(k * 0.05, 0.6 * math.sin(k * 0.05 / 0.35), 0.0) for k in range(1, 900)]
+    blocks = run(planner(axes), wave, 1200.0)
+    steps = np.array([block.steps for block in blocks])
+    times = np.array([duration_s([block]) for block in blocks])
+    # Eight lines together: single ones are a few steps only, and rounding is most of them.
+    steps = steps[: len(steps) // 8 * 8].reshape(-1, 8, 3).sum(axis=1)
+    times = times[: len(times) // 8 * 8].reshape(-1, 8).sum(axis=1)
+    rates = steps / times[:, None]
+    change = np.abs(np.diff(rates, axis=0)) / ((times[1:] + times[:-1]) / 2)[:, None]
+    # Along the path and across it at the same time: the root of two; and a step of rounding.
+    assert np.quantile(change, 0.98) <= 20_000 * 2**0.5 * 1.1
+    assert change.max() > 10_000

@@ -97,8 +97,14 @@ class Bench:
 
     async def settled(self) -> None:
         """Until the machine's thread has nothing to do, and that has been drawn."""
-        await self.wait(lambda: not self.app.busy)
-        await self.pilot.pause(0.12)
+        controller = self.plant.controller
+        await self.wait(lambda: not self.app.busy and self.app.machine_state == controller.state())
+        await self.pilot.pause()
+
+    async def long_move(self) -> None:
+        """X sets out on a way of several seconds, fast enough to need a ramp."""
+        self.app.order(lambda: self.plant.controller.move_to({"x": 120.0}))
+        await self.wait(lambda: self.plant.controller.state().speed_mm_min > 1100)
 
     async def jog(self, *keys: str) -> None:
         for key in keys:

@@ -1,0 +1,159 @@
+"""What the app costs: start-up, key latency, idle load.
+
+Run: python bench/app.py
+
+The app runs in a pseudo-terminal of its own, on a simulated mill that keeps step with the wall.
+
+start       from the start of the process to the first complete picture on the terminal
+key         from writing a key into the terminal to the first register write of the move
+idle        share of a core that the process takes while nobody touches it
+"""
+
+import fcntl
+import os
+import pty
+import select
+import signal
+import statistics
+import struct
+import subprocess
+import sys
+import termios
+import time
+from pathlib import Path
+
+#: Where the child tells when it wrote registers: one line of nanoseconds a write.
+_WRITES_FD = 3
+_KEYS = 20
+_IDLE_S = 10.0
+#: The last word that is drawn: the end of the footer.
+_LAST_WORD = b"palette"
+
+
+def child() -> None:
+    """The app, with a port that tells the time of every write to the data register."""
+    from unittest.mock import patch
+
+    from fraese import assembly
+    from fraese.config import Config
+    from fraese.machine import Machine
+    from fraese.motor.ports.sim import SimulatedMill
+    from fraese.motor.seams import Clock
+    from fraese.ui import FraeseApp
+    from fraese.ui.programs import Program
+
+    def no_program(path: Path) -> Program:
+        raise NotImplementedError
+
+    def telling(config: Config, machine: Machine, clock: Clock) -> SimulatedMill:
+        mill = simulation(config, machine, clock)
+        assert isinstance(mill, SimulatedMill)
+        write = mill.write_data
+
+        def write_data(value: int) -> None:
+            os.write(_WRITES_FD, b"%d\n" % time.monotonic_ns())
+            write(value)
+
+        mill.write_data = write_data
+        return mill
+
+    simulation = assembly.PORTS["simulation"]
+    with patch.dict(assembly.PORTS, {"simulation": telling}):
+        plant = assembly.assemble(Config(), clock="paced")
+    FraeseApp(plant.controller, open_program=no_program).run()
+
+
+class Terminal:
+    """The app in a pseudo-terminal of 80x24."""
+
+    def __init__(self) -> None:
+        self.begun_s = time.monotonic()
+        self._writes, told = os.pipe()
+        pid, self._fd = pty.fork()
+        if pid == 0:
+            os.dup2(told, _WRITES_FD)
+            os.environ["TERM"] = "xterm-256color"
+            os.execv(sys.executable, [sys.executable, __file__, "child"])
+        self.pid = pid
+        fcntl.ioctl(self._fd, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+        os.set_blocking(self._writes, False)
+        self.seen = b""
+
+    def read(self, seconds: float, until: bytes = b"") -> bool:
+        """Take what is drawn for so long, or until this was drawn."""
+        end_s = time.monotonic() + seconds
+        while (left_s := end_s - time.monotonic()) > 0:
+            if select.select([self._fd], [], [], left_s)[0]:
+                try:
+                    self.seen += os.read(self._fd, 65536)
+                except OSError:  # the other side has closed
+                    return False
+                if until and until in self.seen:
+                    return True
+        return False
+
+    def writes_ns(self) -> list[int]:
+        """Times of the register writes since the last call."""
+        text = b""
+        try:
+            while part := os.read(self._writes, 1 << 20):
+                text += part
+        except BlockingIOError:
+            pass
+        return [int(line) for line in text.split()]
+
+    def key_latency_ms(self, key: bytes) -> float:
+        """Press a key and wait for the first register write."""
+        self.read(0.2)
+        self.writes_ns()
+        at_ns = time.monotonic_ns()
+        os.write(self._fd, key)
+        self.read(0.25)
+        return (self.writes_ns()[0] - at_ns) / 1e6
+
+    def cpu_s(self) -> float:
+        """Processor time so far."""
+        fields = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def close(self) -> None:
+        """Leave by signal, as a session that ends does."""
+        os.kill(self.pid, signal.SIGTERM)
+        self.read(2)
+        os.waitpid(self.pid, 0)
+
+
+def first_picture_s() -> float:
+    """Start the app once."""
+    terminal = Terminal()
+    try:
+        assert terminal.read(20, _LAST_WORD), "no picture"
+        return time.monotonic() - terminal.begun_s
+    finally:
+        terminal.close()
+
+
+def main() -> None:
+    """Print the three figures."""
+    starts_s = [first_picture_s() for _ in range(3)]
+    terminal = Terminal()
+    try:
+        assert terminal.read(20, _LAST_WORD), "no picture"
+        terminal.read(1)
+        keys_ms = [terminal.key_latency_ms(b"\x1b[C") for _ in range(_KEYS)]
+        terminal.read(1)
+        before_s = terminal.cpu_s()
+        terminal.read(_IDLE_S)
+        idle = (terminal.cpu_s() - before_s) / _IDLE_S
+    finally:
+        terminal.close()
+    load = subprocess.run(["uptime"], capture_output=True, text=True).stdout.strip()
+    print(f"start to first picture    {min(starts_s):.2f} s (best of {len(starts_s)})")
+    print(f"key to first write        {statistics.median(keys_ms):.1f} ms (median of {_KEYS})")
+    print(f"                          {max(keys_ms):.1f} ms (worst)")
+    print(f"idle                      {idle:.1%} of a core over {_IDLE_S:g} s")
+    print(f"machine                   {load.partition('load')[2] and load[load.index('load') :]}")
+
+
+if __name__ == "__main__":
+    child() if sys.argv[1:] == ["child"] else main()

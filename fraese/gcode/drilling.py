@@ -1,0 +1,137 @@
+"""Canned cycles at their places: what ``cycles`` describes, as canonical moves."""
+
+from collections.abc import Iterable, Iterator
+from typing import Final, Literal, cast
+
+from fraese.errors import ProgramError
+from fraese.gcode import cycles
+from fraese.gcode.canon import (
+    PLANE_AXES,
+    Dwell,
+    Feed,
+    Move,
+    PathControl,
+    PathMode,
+    Rapid,
+    Spindle,
+)
+from fraese.gcode.cycles import Hole, Sticky, Stroke
+from fraese.gcode.modal import name
+from fraese.gcode.position import LETTERS, Position
+from fraese.gcode.words import Block
+
+MAX_REPEATS: Final = 100_000
+
+
+class Drilling:
+    """The canned cycles, with what they remember from line to line."""
+
+    def __init__(self, position: Position) -> None:
+        self._position = position
+        self._modal = position.modal
+        self._sticky: Sticky | None = None
+        # where the third axis stood when the present series of cycles began
+        self._old_height_mm = 0.0
+
+    def forget(self) -> None:
+        """Another motion, or G80: the next cycle starts a series of its own."""
+        self._sticky = None
+
+    def drill(self, block: Block) -> Iterable[Move]:
+        """The moves of a canned cycle.
+
+        Raises:
+            ProgramError: a word is missing or makes no sense.
+        """
+        code = cast(int, block.motion)
+        _first, _second, third = PLANE_AXES[self._modal.plane]
+        if not block.has_axes:
+            raise ProgramError(f"{name(code)} needs an axis word")
+        if self._modal.inverse_time:
+            raise ProgramError("canned cycles are not possible in G93; use G94")
+        self._position.feed_for(block, 0.0, code)
+        if self._sticky is None:
+            self._old_height_mm = self._position.at[third]
+        if self._sticky is None or self._sticky.code != code:
+            self._sticky = Sticky(code)
+        self._sticky = sticky = self._sticky.updated(block.words, LETTERS[third])
+        hole = self._hole(sticky)
+        count = round(block.words.get("l", 1.0))
+        if count > MAX_REPEATS:
+            raise ProgramError(f"a canned cycle is repeated at most {MAX_REPEATS} times")
+        return self._holes(block, hole, code, count)
+
+    def _hole(self, sticky: Sticky) -> Hole:
+        """Heights of the hole from the words in force."""
+        modal = self._modal
+        if sticky.r is None:
+            raise ProgramError("the canned cycle needs an R word: the height where drilling starts")
+        if sticky.depth is None:
+            letter = LETTERS[PLANE_AXES[modal.plane][2]].upper()
+            raise ProgramError(f"the canned cycle needs a {letter} word: the bottom of the hole")
+        r_mm = sticky.r * modal.scale_mm
+        bottom_mm = sticky.depth * modal.scale_mm
+        if not modal.absolute:
+            r_mm += self._old_height_mm
+            bottom_mm += r_mm
+        if bottom_mm > r_mm:
+            raise ProgramError("the bottom of the canned cycle lies above its R height")
+        clear_mm = max(r_mm, self._old_height_mm) if modal.retract_to_start else r_mm
+        peck_mm = None if sticky.q is None else sticky.q * modal.scale_mm
+        return Hole(r_mm, bottom_mm, clear_mm, peck_mm, sticky.p)
+
+    def _holes(self, block: Block, hole: Hole, code: int, count: int) -> Iterator[Move]:
+        _first, _second, third = PLANE_AXES[self._modal.plane]
+        spindle = self._modal.spindle
+        if self._old_height_mm < hole.r_mm:
+            yield self._height(hole.r_mm, third)
+            height_mm = hole.r_mm
+        elif self._position.at[third] <= hole.r_mm:
+            height_mm = self._old_height_mm if self._modal.retract_to_start else hole.r_mm
+        else:
+            height_mm = self._position.at[third]
+        restore = self._exact_path()
+        yield from restore[:1]
+        for _ in range(count):
+            across = list(self._position.target(block))
+            across[third] = height_mm
+            self._position.at = (across[0], across[1], across[2])
+            yield Rapid(self._position.line, self._position.machine)
+            if height_mm != hole.r_mm:
+                yield self._height(hole.r_mm, third)
+            if code == 860 and spindle == 0:
+                raise ProgramError("G86 needs a turning spindle: start it with M3 or M4")
+            for stroke in cycles.STROKES[code](hole):
+                yield self._stroke(stroke, third, spindle)
+            height_mm = hole.clear_mm
+        yield from restore[1:]
+
+    def _exact_path(self) -> tuple[PathControl, ...]:
+        """What to say before and after: a hole's corners are never rounded."""
+        modal = self._modal
+        if modal.path_mode is PathMode.EXACT_PATH:
+            return ()
+        return (
+            PathControl(self._position.line, PathMode.EXACT_PATH, 0.0),
+            PathControl(self._position.line, modal.path_mode, modal.tolerance_mm),
+        )
+
+    def _height(self, height_mm: float, axis: int) -> Rapid:
+        at = list(self._position.at)
+        at[axis] = height_mm
+        self._position.at = (at[0], at[1], at[2])
+        return Rapid(self._position.line, self._position.machine)
+
+    def _stroke(self, stroke: Stroke, axis: int, spindle: int) -> Move:
+        kind, value = stroke
+        if kind == "dwell":
+            return Dwell(self._position.line, value)
+        if kind in ("stop", "start"):
+            direction = cast(Literal[-1, 0, 1], spindle if kind == "start" else 0)
+            return Spindle(self._position.line, direction, self._modal.rev_min)
+        rapid = self._height(value, axis)
+        return (
+            rapid
+            if kind == "rapid"
+            else Feed(self._position.line, rapid.to, self._modal.feed_mm_min)
+        )

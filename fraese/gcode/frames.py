@@ -1,0 +1,258 @@
+"""Codes that shift the program's coordinates: work offsets, G92, tool lengths, homes.
+
+Whatever shifts them leaves the machine where it is, so the position is carried over through
+machine coordinates.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Final
+
+from fraese.errors import ProgramError
+from fraese.gcode.canon import Move, Point, Rapid
+from fraese.gcode.expressions import whole
+from fraese.gcode.offsets import G92_OFFSET, HOME, ORIGIN
+from fraese.gcode.position import LETTERS, Position
+from fraese.gcode.setup import ToolData
+from fraese.gcode.words import Block
+
+# The system whose offset G10 L11 measures against.
+FIXTURE_SYSTEM: Final = 9
+
+
+class Frames:
+    """The coordinates' setters, and the tool table."""
+
+    def __init__(self, position: Position, tools: Mapping[int, ToolData] | None) -> None:
+        self._position = position
+        self._modal = position.modal
+        self._coordinates = position.coordinates
+        self._any_tool = tools is None
+        self._tools = dict(tools or {})
+
+    def nonmodal(self, code: int, block: Block) -> Iterable[Move]:
+        """A code of the non-modal group; G4 and G53 are seen to elsewhere.
+
+        Raises:
+            ProgramError: a word it needs is missing or wrong.
+        """
+        handler = _NONMODAL.get(code)
+        return () if handler is None else handler(self, code, block)
+
+    def shift(self, change: Callable[[], None]) -> None:
+        """Change offsets while the machine stays where it is."""
+        position = self._position
+        machine = self._coordinates.to_machine(position.at)
+        change()
+        self._coordinates.update()
+        position.at = self._coordinates.to_program(machine)
+
+    def select(self, number: int) -> None:
+        """Put a coordinate system into force, 1 (G54) to 9 (G59.3)."""
+        # Selecting what is in force already reads nothing anew, as in LinuxCNC.
+        if number != self._coordinates.system:
+            self.shift(lambda: self._coordinates.select(number))
+
+    def set_tool_offset(self, offset_mm: Point) -> None:
+        """Put a tool offset into force."""
+
+        def change() -> None:
+            self._coordinates.tool = offset_mm
+
+        self.shift(change)
+
+    def length(self, block: Block) -> None:
+        """G43: the length of a tool by H, or of the one in the spindle.
+
+        Raises:
+            ProgramError: there is no such tool.
+        """
+        self.set_tool_offset((0.0, 0.0, self._length_of(block)))
+
+    def added_length(self, block: Block) -> None:
+        """G43.2: one more length on top.
+
+        Raises:
+            ProgramError: there is no H word, or no such tool.
+        """
+        if "h" not in block.words:
+            raise ProgramError("G43.2 needs an H word")
+        x, y, z = self._coordinates.tool
+        self.set_tool_offset((x, y, z + self._length_of(block)))
+
+    def dynamic_length(self, block: Block) -> None:
+        """G43.1: the axis words themselves."""
+        self.set_tool_offset(self._given(block, self._coordinates.tool))
+
+    def _length_of(self, block: Block) -> float:
+        word = block.words.get("h")
+        number = 0 if word is None else whole(word, "the H word")
+        if number < 0:
+            raise ProgramError("the H word must not be negative")
+        # H0 is whatever is in the spindle.
+        number = number or self._modal.tool
+        self.check_tool(number)
+        return self._tools.get(number, ToolData()).length_mm
+
+    def check_tool(self, number: int) -> None:
+        """See that a tool number can be used.
+
+        Raises:
+            ProgramError: it is negative, or the tool table does not know it.
+        """
+        if number < 0:
+            raise ProgramError("a tool number must not be negative")
+        if number and not self._any_tool and number not in self._tools:
+            raise ProgramError(f"tool {number} is not in the tool table")
+
+    def tool_data(self, number: int) -> ToolData:
+        """What is known of a tool; nothing is 0."""
+        return self._tools.get(number, ToolData())
+
+    def _given(self, block: Block, otherwise: Point) -> Point:
+        """The axis words in mm, or what holds where there is none."""
+        scale = self._modal.scale_mm
+        x, y, z = (
+            block.words[letter] * scale if letter in block.words else old
+            for letter, old in zip(LETTERS, otherwise, strict=True)
+        )
+        return x, y, z
+
+    # Non-modal codes
+
+    def _g10(self, code: int, block: Block) -> Iterable[Move]:
+        kind = block.words.get("l")
+        handler = None if kind is None else _G10.get(whole(kind, "the L word"))
+        if handler is None:
+            raise ProgramError("G10 needs L1, L2, L10, L11 or L20")
+        handler(self, block)
+        return ()
+
+    def _system_word(self, block: Block) -> int:
+        number = whole(block.words.get("p", -1.0), "the P word of G10")
+        if not 0 <= number <= 9:
+            raise ProgramError("G10 needs P0 for the active system, or P1 (G54) to P9 (G59.3)")
+        return number or self._coordinates.system
+
+    def _set_system(self, block: Block) -> None:
+        system = self._system_word(block)
+        scale = self._modal.scale_mm
+        values = {
+            axis: block.words[letter] * scale
+            for axis, letter in enumerate(LETTERS)
+            if letter in block.words
+        }
+        rotation = block.words.get("r")
+        self.shift(lambda: self._coordinates.set_system(system, values, rotation))
+
+    def _set_system_here(self, block: Block) -> None:
+        if "r" in block.words:
+            raise ProgramError("G10 L20 takes no R word; use G10 L2 to rotate")
+        system = self._system_word(block)
+        here = self._coordinates.to_machine(self._position.at)
+        given = {i for i, letter in enumerate(LETTERS) if letter in block.words}
+        values = self._coordinates.offset_at(
+            system, here, self._given(block, self._position.at), given
+        )
+        self.shift(lambda: self._coordinates.set_system(system, values, None))
+
+    def _tool_word(self, block: Block) -> int:
+        number = whole(block.words.get("p", 0.0), "the P word of G10")
+        if number < 1:
+            raise ProgramError("G10 needs a P word: the number of the tool")
+        self.check_tool(number)
+        return number
+
+    def _set_tool(self, block: Block, length_mm: float) -> None:
+        number = self._tool_word(block)
+        old = self._tools.get(number, ToolData())
+        radius = block.words.get("r")
+        diameter_mm = old.diameter_mm if radius is None else 2 * radius * self._modal.scale_mm
+        self._tools[number] = ToolData(length_mm, diameter_mm)
+
+    def _tool_length(self, block: Block) -> None:
+        number = self._tool_word(block)
+        old = self._tools.get(number, ToolData()).length_mm
+        self._set_tool(block, self._given(block, (0.0, 0.0, old))[2])
+
+    def _tool_here(self, block: Block) -> None:
+        """Length that makes the present height read as the Z word."""
+        machine = self._coordinates.to_machine(self._position.at)
+        c = self._coordinates
+        wanted = self._given(block, (0.0, 0.0, 0.0))[2]
+        self._set_tool(block, machine[2] - c.work[2] - c.g92[2] - wanted)
+
+    def _tool_at_fixture(self, block: Block) -> None:
+        """The same, in the ninth system without G92."""
+        c = self._coordinates
+        machine = c.to_machine(self._position.at)
+        fixture = c.read(c.first_parameter(FIXTURE_SYSTEM))
+        wanted = self._given(block, (0.0, 0.0, 0.0))[2]
+        self._set_tool(block, machine[2] - fixture[2] - wanted)
+
+    def _home(self, code: int, block: Block) -> Iterator[Move]:
+        position = self._position
+        coordinates = self._coordinates
+        given = [letter in block.words for letter in LETTERS]
+        position.at = position.target(block)
+        yield Rapid(position.line, coordinates.to_machine(position.at))
+        # Single axes go home along the program's axes, which a rotation has turned.
+        stored = coordinates.to_program(coordinates.read(HOME[code]))
+        every = not any(given)
+        x, y, z = (
+            home if every or chosen else old
+            for home, chosen, old in zip(stored, given, position.at, strict=True)
+        )
+        position.at = (x, y, z)
+        yield Rapid(position.line, coordinates.to_machine(position.at))
+
+    def _store_home(self, code: int, block: Block) -> Iterable[Move]:
+        self._coordinates.write(HOME[code], self._coordinates.to_machine(self._position.at))
+        return ()
+
+    def _g92(self, code: int, block: Block) -> Iterable[Move]:
+        if not block.has_axes:
+            raise ProgramError("G92 needs an axis word")
+        position = self._position
+        at = position.at
+        wanted = self._given(block, at)
+        old = self._coordinates.g92
+        x, y, z = (o + a - w for o, a, w in zip(old, at, wanted, strict=True))
+        self.shift(lambda: self._coordinates.set_g92((x, y, z), active=True))
+        return ()
+
+    def _g52(self, code: int, block: Block) -> Iterable[Move]:
+        if not block.has_axes:
+            raise ProgramError("G52 needs an axis word")
+        offset = self._given(block, self._coordinates.g92)
+        self.shift(lambda: self._coordinates.set_g92(offset, active=True))
+        return ()
+
+    def _g92_off(self, code: int, block: Block) -> Iterable[Move]:
+        self.shift(lambda: self._coordinates.set_g92(ORIGIN, active=False, keep=code == 922))
+        return ()
+
+    def _g92_on(self, code: int, block: Block) -> Iterable[Move]:
+        stored = self._coordinates.read(G92_OFFSET)
+        self.shift(lambda: self._coordinates.set_g92(stored, active=True, keep=True))
+        return ()
+
+
+_NONMODAL: Final[dict[int, Callable[[Frames, int, Block], Iterable[Move]]]] = {
+    100: Frames._g10,
+    280: Frames._home,
+    300: Frames._home,
+    281: Frames._store_home,
+    301: Frames._store_home,
+    520: Frames._g52,
+    920: Frames._g92,
+    921: Frames._g92_off,
+    922: Frames._g92_off,
+    923: Frames._g92_on,
+}
+_G10: Final[dict[int, Callable[[Frames, Block], None]]] = {
+    1: Frames._tool_length,
+    2: Frames._set_system,
+    10: Frames._tool_here,
+    11: Frames._tool_at_fixture,
+    20: Frames._set_system_here,
+}

@@ -1,0 +1,138 @@
+r"""From points in millimetres to segments in steps.
+
+    point --> rounding --> backlash --> segment --> window
+              absolute     take-up      cut where it is long
+
+Rule 1: targets are rounded once and absolutely; a segment's steps are the difference of two.
+Rule 2: a move of no steps vanishes. What it was short of a step waits for the next one, and so do
+        its outputs.
+Rule 3: a long move is cut in step space, each cut the step nearest to the line. The parts follow
+        one by one while blocks are taken: so an override acts on what was not taken.
+"""
+
+import math
+from collections.abc import Iterator
+
+from fraese.blocks import Block, Outputs, Watch
+from fraese.machine import Machine, Steps
+from fraese.planner.arcs import Point
+from fraese.planner.backlash import followed, take_up
+from fraese.planner.lookahead import Window
+from fraese.planner.rounding import rounder
+from fraese.planner.segments import UNLIMITED, Limits, Segment
+
+
+class Targets:
+    """Where the path has come to, and the way to the next point.
+
+    Args:
+        machine: conversions and backlash.
+        limits: of the machine.
+        window: takes the segments.
+        max_block_s: longer moves are cut.
+        position_steps: where the axes are.
+        slack_steps: of their backlash.
+
+    Attributes:
+        reached_steps: axis steps at the end of the last segment.
+        slack_steps: slack of the axes there.
+        outputs: change that waits for a segment.
+        exact_stop: the next corner is passed no faster than the start/stop rates.
+        override: factor of feeds; only to know what is a long move.
+        streaming: a long move is on its way, and not all of its blocks were taken.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        limits: Limits,
+        window: Window,
+        max_block_s: float,
+        position_steps: Steps,
+        slack_steps: Steps,
+    ) -> None:
+        self._limits = limits
+        self._window = window
+        self._max_block_s = max_block_s
+        self._to_x, self._to_y, self._to_z = (rounder(axis) for axis in machine.axes)
+        self._backlash_steps = tuple(axis.backlash_steps for axis in machine.axes)
+        self._has_backlash = any(self._backlash_steps)
+        self._reached_mm = machine.to_mm(position_steps)
+        self.reached_steps = position_steps
+        self.slack_steps = slack_steps
+        self.outputs: Outputs | None = None
+        self.exact_stop = False
+        self.override = 1.0
+        self.streaming = False
+
+    def go(
+        self,
+        to_mm: Point,
+        feed_mm_s: float,
+        top_mm_s: float,
+        tag: int,
+        watch: Watch | None = None,
+    ) -> Iterator[Block] | None:
+        """Round the target, take up backlash, and hand the move to the window.
+
+        Args:
+            to_mm: the next point.
+            feed_mm_s: wanted speed, infinite for a rapid.
+            top_mm_s: never faster (a curve).
+            tag: for reports.
+            watch: condition while it plays; such a move is not cut.
+
+        Returns:
+            For a long move its blocks, to be taken before anything else is planned; else None.
+        """
+        x_mm, y_mm, z_mm = to_mm
+        to_x, to_y, to_z = self._to_x(x_mm), self._to_y(y_mm), self._to_z(z_mm)
+        at_x, at_y, at_z = self.reached_steps
+        steps = to_x - at_x, to_y - at_y, to_z - at_z
+        if steps == (0, 0, 0):
+            return None
+        from_x, from_y, from_z = self._reached_mm
+        way_mm = x_mm - from_x, y_mm - from_y, z_mm - from_z
+        self.reached_steps = to_x, to_y, to_z
+        self._reached_mm = to_mm
+        if self._has_backlash:
+            self._take_up(steps, tag, watch)
+        outputs = self.outputs
+        segment = self._limits.segment(steps, way_mm, feed_mm_s, top_mm_s, outputs, tag, watch)
+        if outputs is not None:
+            self.outputs = None
+        longest_mm = min(feed_mm_s * self.override, segment.top_mm_s) * self._max_block_s
+        if segment.length_mm > longest_mm and watch is None:
+            self.streaming = True
+            parts = math.ceil(segment.length_mm / longest_mm)
+            return self._in_parts(segment, way_mm, min(parts, segment.ticks))
+        self._window.append(segment, self.exact_stop)
+        return None
+
+    def _in_parts(self, whole: Segment, way_mm: Point, parts: int) -> Iterator[Block]:
+        done = (0, 0, 0)
+        exact_stop, outputs, window = self.exact_stop, whole.outputs, self._window
+        for part in range(1, parts + 1):
+            x, y, z = ((2 * n * part + parts) // (2 * parts) for n in whole.steps)
+            steps = x - done[0], y - done[1], z - done[2]
+            done = x, y, z
+            segment = self._limits.segment(
+                steps, way_mm, whole.feed_mm_s, whole.top_mm_s, outputs, whole.tag
+            )
+            window.append(segment, exact_stop)
+            exact_stop, outputs = False, None
+            if window.due:
+                yield from window.settle()
+        self.streaming = False
+
+    def _take_up(self, steps: tuple[int, int, int], tag: int, watch: Watch | None) -> None:
+        """Before axes turn round, the steps that only their motors make."""
+        slack, backlash = self.slack_steps, self._backlash_steps
+        x, y, z = map(take_up, slack, backlash, steps)
+        extra = (x, y, z)
+        if extra != (0, 0, 0):
+            segment = self._limits.segment(extra, None, UNLIMITED, UNLIMITED, None, tag, watch)
+            self._window.append(segment, self.exact_stop)
+            self.slack_steps = tuple(
+                followed(*each)[1] for each in zip(slack, backlash, extra, strict=True)
+            )
