@@ -3,13 +3,16 @@
 Tests speak physics: jog, home, press a switch, look where the carriage is.
 """
 
+import tempfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from fraese.assembly import Plant, assemble
 from fraese.config import Config, from_table
 from fraese.controller import Controller
+from fraese.journal import STATE_FILE
 from fraese.motor.ports.recorder import Recorder
 from fraese.motor.ports.sim import Sight, SimulatedMill
 from fraese.motor.seams import End
@@ -79,12 +82,23 @@ def end(name: str) -> End:
     return End(AXES.index(name[0]), 1 if name[1:] == "max" else -1)
 
 
+#: What a machine kept after its reference run, by configuration: one run is enough for all tests.
+_REFERENCED: dict[str, str] = {}
+
+
 def homed(**sections: Any) -> Plant:
     """A machine after its reference run."""
-    made = plant(**sections)
-    made.controller.home()
-    assert made.controller.run() is Status.OK, made.controller.state().message
-    return made
+    config, key = configured(**sections), repr(sections)
+    with tempfile.TemporaryDirectory() as folder:
+        kept = Path(folder) / STATE_FILE
+        if key not in _REFERENCED:
+            made = assemble(config, state=Path(folder))
+            made.controller.home()
+            assert made.controller.run() is Status.OK, made.controller.state().message
+            made.save()
+            _REFERENCED[key] = kept.read_text("utf-8")
+        kept.write_text(_REFERENCED[key], "utf-8")
+        return replace(assemble(config, state=Path(folder)), journal=None)
 
 
 def after_slices(controller: Controller, number: int, *actions: Callable[[], object]) -> list[int]:
