@@ -297,12 +297,8 @@ class Controller:
             StateError: if the machine is not ready, or stands on the switch it would move into.
         """
         index = self.machine.index(axis)
-        longest_mm = self.config.jog.max_mm
-        if not 0 < abs(distance_mm) <= longest_mm:
-            raise LimitError(
-                f"A jog must be longer than 0 and at most {longest_mm:g} mm,"
-                f" not {distance_mm:g} mm."
-            )
+        if not 0 < abs(distance_mm) <= self.config.jog.max_mm:
+            raise self._too_long(distance_mm)
         here_mm = self.machine.axes[index].to_mm(self.position_steps()[index])
         target = self.machine.axes[index].to_steps(here_mm + distance_mm)
         self.jog_steps(axis, target - self.position_steps()[index], clamp=clamp)
@@ -312,13 +308,15 @@ class Controller:
         """The same in steps.
 
         Raises:
-            LimitError: if it would leave the travel, or is nothing.
+            LimitError: if it would leave the travel, or is too long or nothing.
             StateError: if the machine is not ready, or stands on the switch it would move into.
         """
         self._require_ready()
         if not distance_steps:
             raise LimitError(f"A jog must be at least one step of {self._axis(axis).step_mm:g} mm.")
         index = self.machine.index(axis)
+        if abs(distance_steps) > self._axis(axis).to_steps(self.config.jog.max_mm):
+            raise self._too_long(self._axis(axis).to_mm(distance_steps))
         here = self.position_steps()
         target = list(here)
         target[index] += distance_steps
@@ -725,6 +723,12 @@ class Controller:
         """The same as a job."""
         for block in self.line_blocks(delta, feed_mm_min, watch):
             yield block
+
+    def _too_long(self, distance_mm: float) -> LimitError:
+        return LimitError(
+            f"A jog must be longer than 0 and at most {self.config.jog.max_mm:g} mm,"
+            f" not {distance_mm:g} mm."
+        )
 
     def _targets(self, point_mm: Millimetres) -> Steps:
         for axis, mm in zip(self.machine.axes, point_mm, strict=True):

@@ -4,7 +4,7 @@ from itertools import permutations, product
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fraese.assembly import Plant
@@ -143,6 +143,7 @@ def test_backlash_does_not_shift_zero(turned: bool) -> None:
 # --- from where ----------------------------------------------------------------------------------
 
 
+@settings(max_examples=30)
 @given(st.tuples(*(st.integers(-90, travel + 90) for travel in (SHORT_STEPS,) * 3)))
 def test_zero_is_the_same_to_the_step_from_anywhere(start: tuple[int, ...]) -> None:
     made = plant(**SHORT)

@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fraese.assembly import Plant
@@ -100,6 +100,12 @@ def test_a_jog_is_bounded(distance: float) -> None:
         made.controller.jog("x", distance)
     assert made.controller.run() is Status.OK
     assert carriages(made) == before
+
+
+@pytest.mark.parametrize("steps", [0, 10_001, -10_001])
+def test_a_jog_in_steps_is_bounded_too(steps: int) -> None:
+    with pytest.raises(LimitError):
+        plant().controller.jog_steps("x", steps)
 
 
 def test_a_jog_of_less_than_half_a_step_says_how_long_a_step_is() -> None:
@@ -670,6 +676,52 @@ def test_conservation(
                 )
             )
         )
+
+
+CONTACTS = st.one_of(
+    st.tuples(st.just("jog"), st.sampled_from(AXES), st.integers(-2000, 2000)),
+    st.tuples(st.just("move"), st.integers(-12, 12), st.integers(-12, 12)),
+    st.tuples(st.just("home"), st.sampled_from(["", *AXES]), st.just(0)),
+)
+
+
+@settings(max_examples=80)
+@given(st.lists(st.tuples(CONTACTS, BREAKS), max_size=4), st.sampled_from([{}, STEPDIR]))
+def test_conservation_through_contacts_and_reference_runs(
+    operations: list[tuple[tuple[Any, ...], tuple[str, int]]], card: dict[str, Any]
+) -> None:
+    """On a short mill nearly every move meets an end; slowly, so that a contact tears nothing."""
+    slow = {"jog": {"feed_mm_min": 200}, "homing": {"approach_mm_min": 200}}
+    made = plant(**card, **slow, axes=axes(travel_mm="12"))
+    controller = made.controller
+    zero = carriages(made)
+    for (kind, first, second), (disturbance, number) in operations:
+        disturb(controller, disturbance, number)
+        before = controller.state().referenced
+        try:
+            if kind == "home":
+                controller.home(first)
+            elif kind == "jog":
+                controller.jog_steps(first, second)
+            else:
+                controller.move_to({"x": first, "y": second}, feed_mm_min=200)
+        except (LimitError, StateError):
+            continue
+        controller.run()
+        controller.acknowledge()
+        state, now = controller.state(), carriages(made)
+        assert look(made).lost_steps == (0, 0, 0)
+        if kind == "home":
+            # Where zero is found it is the one and only; elsewhere it was not touched.
+            found = (400, 400, 2000)
+            zero = tuple(
+                right if here and (not was or not state.position_steps[i]) else old
+                for i, (right, here, was, old) in enumerate(
+                    zip(found, state.referenced, before, zero, strict=True)
+                )
+            )
+        moved = tuple(int(a - b) for a, b in zip(now, zero, strict=True))
+        assert moved == state.position_steps
 
 
 def disturb(controller: Any, what: str, number: int) -> None:
