@@ -92,6 +92,7 @@ class Controller:
         driver.set_switch_mode(self._switch_mode)
         braking_s = max(axis.max_rate_hz / axis.acceleration_hz_s for axis in machine.axes)
         lead_s = max(config.run.lead_s, braking_s + 2 * slice_s)
+        self._slice_s = slice_s
         self._runner = Runner(driver, lead_s, slice_s)
 
     # --- callbacks -----------------------------------------------------------------------------
@@ -149,6 +150,7 @@ class Controller:
             self._status = self._activate()
             self._break_key()
             self._show_pos()
+            self._wait_while_waiting()
         self._conclude()
         self._display()
         self._halt_motors()
@@ -197,6 +199,12 @@ class Controller:
         for motor in self._runner.report.torn:
             self._referenced[motor] = False
         return status
+
+    def _wait_while_waiting(self) -> None:
+        """In a hold, or while the operator is asked, the driver takes no time: do not spin."""
+        waiting = self._runner.question or self._runner.report.held
+        if waiting and self._status is Status.RUN:
+            self._clock.wait_until(self._clock.now_ns() + round(self._slice_s * _NS_PER_S))
 
     def _conclude(self) -> None:
         """Say how the job ended."""
