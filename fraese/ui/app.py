@@ -139,7 +139,7 @@ class FraeseApp(App[None]):
         self._width = FIRST_WIDTH
         self._state = controller.state()
         self._drawn_at_s = 0.0
-        self._answered_at_s = 0.0
+        self._answer_is_new = False
         self._draw_planned = False
         self._stopping = False
         self._holding = False
@@ -248,10 +248,12 @@ class FraeseApp(App[None]):
 
     def _show_on_top(self, state: MachineState) -> None:
         """Pages above the main screen that show the machine, and the job's question."""
+        if not self.screen_stack:
+            return  # on the way out the machine still reports
         top = self.screen
         if isinstance(top, LivePage):
             top.show(state)
-        elif state.question and time.monotonic() > self._answered_at_s + _ANSWER_S:
+        elif state.question and not self._answer_is_new:
             from fraese.ui.dialogs import AskDialog
 
             question = state.question
@@ -481,11 +483,17 @@ class FraeseApp(App[None]):
         """The job's question: done, or the job is to be stopped."""
         if self._state.question != question:
             return
-        self._answered_at_s = time.monotonic()
+        self._answer_is_new = True
+        self.set_timer(_ANSWER_S, self._ask_again)
         if done:
             self._controller.answer()
         else:
             self._worker.cancel()
+
+    def _ask_again(self) -> None:
+        """The answer has arrived by now: what is asked still, or again, is a new question."""
+        self._answer_is_new = False
+        self._show_on_top(self._state)
 
     # --- programs ------------------------------------------------------------------------------
 
