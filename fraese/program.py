@@ -14,7 +14,7 @@ from fraese.gcode.text import read_lines
 from fraese.jobs import STANDSTILL, Job
 from fraese.lift import Lift
 from fraese.log import logged
-from fraese.sources import ProgramSource
+from fraese.sources import ProgramSource, require_readable
 from fraese.translate import Moves, Translation
 
 #: Lines shown to people; behind that the text is cut.
@@ -228,13 +228,7 @@ def open_program(path: Path) -> Program:
     Raises:
         ProgramError: if there is nothing to read.
     """
-    if not path.is_file():
-        raise ProgramError("there is no such file.", file=str(path))
-    try:
-        with path.open("rb"):
-            pass
-    except OSError as error:
-        raise ProgramError(f"cannot be read: {error.strerror}.", file=str(path)) from error
+    require_readable(path)
     return Program(path)
 
 

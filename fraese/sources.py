@@ -5,12 +5,28 @@ from contextlib import closing
 from pathlib import Path
 
 from fraese.context import ProgramContext
+from fraese.errors import ProgramError
 from fraese.gcode.coordlist import read_points
 from fraese.gcode.interpreter import Interpreter
 from fraese.gcode.reader import kind_of
 from fraese.gcode.state import ModalState
 from fraese.gcode.text import read_lines
 from fraese.translate import Moves
+
+
+def require_readable(path: Path) -> None:
+    """See that there is a file.
+
+    Raises:
+        ProgramError: naming it, if there is nothing to read.
+    """
+    if not path.is_file():
+        raise ProgramError("there is no such file.", file=str(path))
+    try:
+        with path.open("rb"):
+            pass
+    except OSError as error:
+        raise ProgramError(f"cannot be read: {error.strerror}.", file=str(path)) from error
 
 
 class ProgramSource:
@@ -41,6 +57,7 @@ class ProgramSource:
         Raises:
             ProgramError: the file cannot be read, or a line is refused.
         """
+        require_readable(self._path)
         with closing(read_lines(self._path, self._setup.file)) as file_lines:
             lines = self._counted(file_lines)
             if kind_of(self._path) == "gcode":
