@@ -82,7 +82,12 @@ def _sentence(error: ValidationError) -> str:
         known = ", ".join(sorted(parent.model_fields)) if parent else ""
         text = f"unknown key {key}" + (f"; known here: {known}" if known else "")
     else:
-        said = first["msg"].removeprefix("Value error, ").removesuffix(".")
+        said = (
+            first["msg"]
+            .removeprefix("Value error, ")
+            .replace("Input should be", "must be")
+            .removesuffix(".")
+        )
         given = first["input"]
         shown = f", not {_short(given)}" if isinstance(given, _SCALARS) else ""
         text = f"{key}: {said}{shown}" if key else said
