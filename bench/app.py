@@ -6,6 +6,7 @@ The app runs in a pseudo-terminal of its own, on a simulated mill that keeps ste
 
 start       from the start of the process to the first complete picture on the terminal
 key         from writing a key into the terminal to the first register write of the move
+stop        from writing the stop key until the last register write, ramp included
 idle        share of a core that the process takes while nobody touches it
 """
 
@@ -25,6 +26,7 @@ from pathlib import Path
 #: Where the child tells when it wrote registers: one line of nanoseconds a write.
 _WRITES_FD = 3
 _KEYS = 20
+_STOP_KEYS = (b"\x1b", b"\x03")
 _IDLE_S = 10.0
 #: The last word that is drawn: the end of the footer.
 _LAST_WORD = b"palette"
@@ -69,13 +71,13 @@ class Terminal:
     def __init__(self) -> None:
         self.begun_s = time.monotonic()
         self._writes, told = os.pipe()
-        pid, self._fd = pty.fork()
+        pid, self.input = pty.fork()
         if pid == 0:
             os.dup2(told, _WRITES_FD)
             os.environ["TERM"] = "xterm-256color"
             os.execv(sys.executable, [sys.executable, __file__, "child"])
         self.pid = pid
-        fcntl.ioctl(self._fd, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+        fcntl.ioctl(self.input, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
         os.set_blocking(self._writes, False)
         self.seen = b""
 
@@ -83,9 +85,9 @@ class Terminal:
         """Take what is drawn for so long, or until this was drawn."""
         end_s = time.monotonic() + seconds
         while (left_s := end_s - time.monotonic()) > 0:
-            if select.select([self._fd], [], [], left_s)[0]:
+            if select.select([self.input], [], [], left_s)[0]:
                 try:
-                    self.seen += os.read(self._fd, 65536)
+                    self.seen += os.read(self.input, 65536)
                 except OSError:  # the other side has closed
                     return False
                 if until and until in self.seen:
@@ -107,9 +109,19 @@ class Terminal:
         self.read(0.2)
         self.writes_ns()
         at_ns = time.monotonic_ns()
-        os.write(self._fd, key)
+        os.write(self.input, key)
         self.read(0.25)
         return (self.writes_ns()[0] - at_ns) / 1e6
+
+    def stop_latency_ms(self, key: bytes) -> float:
+        """Stop in the middle of a jog at 2000 steps/s; the ramp takes 60 ms of it."""
+        os.write(self.input, b"\x1b[C")
+        self.read(0.5)
+        at_ns = time.monotonic_ns()
+        os.write(self.input, key)
+        self.read(0.6)
+        # The last three switch the motors off.
+        return (self.writes_ns()[-4] - at_ns) / 1e6
 
     def cpu_s(self) -> float:
         """Processor time so far."""
@@ -141,6 +153,14 @@ def main() -> None:
         assert terminal.read(20, _LAST_WORD), "no picture"
         terminal.read(1)
         keys_ms = [terminal.key_latency_ms(b"\x1b[C") for _ in range(_KEYS)]
+        os.write(terminal.input, b"5")
+        terminal.read(0.2)
+        stops_ms = [[terminal.stop_latency_ms(key) for _ in range(3)] for key in _STOP_KEYS]
+        terminal.read(1)
+        before_s = terminal.cpu_s()
+        os.write(terminal.input, b"\x1b[D" * 2)
+        terminal.read(2)
+        moving = (terminal.cpu_s() - before_s) / 2
         terminal.read(1)
         before_s = terminal.cpu_s()
         terminal.read(_IDLE_S)
@@ -151,6 +171,9 @@ def main() -> None:
     print(f"start to first picture    {min(starts_s):.2f} s (best of {len(starts_s)})")
     print(f"key to first write        {statistics.median(keys_ms):.1f} ms (median of {_KEYS})")
     print(f"                          {max(keys_ms):.1f} ms (worst)")
+    for name, times_ms in zip(("Escape", "Ctrl+C"), stops_ms, strict=True):
+        print(f"stop by {name} to standstill {max(times_ms):.0f} ms (worst of 3, ramp 60 ms)")
+    print(f"moving at 2000 steps/s    {moving:.1%} of a core, simulated mill and display together")
     print(f"idle                      {idle:.1%} of a core over {_IDLE_S:g} s")
     print(f"machine                   {load.partition('load')[2] and load[load.index('load') :]}")
 

@@ -245,7 +245,7 @@ def assemble(
     """Put a machine together as configured.
 
     Args:
-        config: from ``fraese.config.load``.
+        config: from ``fraese.configfile.load``.
         clock: virtual for speed, paced for a simulated mill that a person watches.
         state: folder in which the state is kept; None: it is not kept.
         fresh: forget what was kept.

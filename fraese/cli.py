@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 import typer
 
-from fraese import config as configuration
+from fraese import configfile as configuration
 from fraese.assembly import Plant, assemble, state_folder
 from fraese.config import AXIS_NAMES
 from fraese.context import ProgramContext

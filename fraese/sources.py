@@ -1,6 +1,7 @@
 """A program file as a source of moves, of whichever kind it is."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 from fraese.context import ProgramContext
@@ -57,14 +58,15 @@ class ProgramSource:
             ProgramError: the file cannot be read, or a line is refused.
         """
         require_readable(self._path)
-        lines = self._counted(read_lines(self._path, self._setup.file))
-        if kind_of(self._path) == "gcode":
-            return self._interpreter.run(lines)
-        unit = self._context.config.run.list_unit
-        return self._points(lines, unit, self.default_feed_mm_min)
-
-    def _points(self, lines: Iterable[str], unit: str, feed_mm_min: float) -> Moves:
-        yield from read_points(lines, self._setup, unit, feed_mm_min)
+        with closing(read_lines(self._path, self._setup.file)) as file_lines:
+            lines = self._counted(file_lines)
+            if kind_of(self._path) == "gcode":
+                yield from self._interpreter.run(lines)
+            else:
+                unit = self._context.config.run.list_unit
+                points = read_points(lines, self._setup, unit, self.default_feed_mm_min)
+                for point in points:
+                    yield point
 
     def parameters(self) -> dict[int, float]:
         """What the program left of the persistent parameters."""

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from fraese.assembly import Plant, assemble
-from fraese.config import Config, from_table
+from fraese.config import Config
+from fraese.configfile import from_table
 from fraese.controller import Controller
 from fraese.journal import STATE_FILE
 from fraese.motor.ports.recorder import Recorder

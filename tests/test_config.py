@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fraese import config as configuration
+from fraese import configfile as configuration
 from fraese.assembly import assemble
-from fraese.config import Config, load, write_key
+from fraese.config import Config
+from fraese.configfile import load, write_key
 from fraese.errors import ConfigError
 
 ROOT = Path(__file__).parent.parent

@@ -123,6 +123,25 @@ def test_after_a_surprise_the_machine_is_free_again(rig: Rig, late: bool) -> Non
     assert rig.controller.position_steps() == (200, 0, 0)
 
 
+def test_a_hold_does_not_spin() -> None:
+    plant = assemble(Config(), clock="paced")
+    worker = Worker(plant.controller, lambda _: None, lambda: None)
+    rounds: list[int] = []
+    plant.controller.set_show_pos(lambda: rounds.append(1))
+    worker.start()
+    worker.submit(lambda: plant.controller.jog("x", 50))
+    until = time.monotonic() + 5
+    while not plant.controller.state().running and time.monotonic() < until:
+        time.sleep(0.01)
+    plant.controller.hold()
+    while not plant.controller.state().held and time.monotonic() < until:
+        time.sleep(0.01)
+    before = len(rounds)
+    time.sleep(0.3)
+    assert len(rounds) - before < 30
+    worker.close()
+
+
 def test_close_brakes_and_switches_off() -> None:
     plant = assemble(Config(), clock="paced")
     worker = Worker(plant.controller, lambda _: None, lambda: None)

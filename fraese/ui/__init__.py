@@ -1,5 +1,11 @@
 """The Textual app. Sees the controller and its frozen facts, nothing lower."""
 
+import os
+
+# How long a lone Escape waits to see whether it begins a longer sequence, ms. It stops the
+# machine, so it waits less than Textual's 100; a sequence torn apart on the way would stop too.
+os.environ.setdefault("ESCDELAY", "30")
+
 from fraese.ui.app import FraeseApp
 
 __all__ = ["FraeseApp"]

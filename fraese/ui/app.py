@@ -11,6 +11,7 @@ Rule 4: however the app ends, the worker is closed: the motors are off.
 """
 
 import asyncio
+import os
 import signal
 import sys
 import time
@@ -43,6 +44,8 @@ _FRAME_S: Final = 0.04
 _ANSWER_S: Final = 0.3
 #: The step loop of a simulated mill shares the interpreter: let it have its turn soon.
 _SWITCH_INTERVAL_S: Final = 0.0005
+#: How often it is seen whether the terminal is still there.
+_TERMINAL_SEEN_S: Final = 0.25
 _BUSY: Final = "The machine runs: stop it (Esc) or wait for the end of the job; nothing was done."
 
 
@@ -139,7 +142,7 @@ class FraeseApp(App[None]):
         self._width = FIRST_WIDTH
         self._state = controller.state()
         self._drawn_at_s = 0.0
-        self._answered_at_s = 0.0
+        self._answer_is_new = False
         self._draw_planned = False
         self._stopping = False
         self._holding = False
@@ -163,6 +166,8 @@ class FraeseApp(App[None]):
         self._machine.show_width(self._width, 1)
         self._draw(self._state)
         sys.setswitchinterval(_SWITCH_INTERVAL_S)
+        if not self.is_headless:
+            self.set_interval(_TERMINAL_SEEN_S, self._see_terminal)
         self._worker.start()
         for note in self._notes:
             self._note(note, warning=True)
@@ -182,6 +187,11 @@ class FraeseApp(App[None]):
             await super().run_async(**options)
         finally:
             self._worker.close()
+
+    def _see_terminal(self) -> None:
+        """A terminal that went away without a signal: nobody can press the stop key any more."""
+        if not os.isatty(sys.__stdin__.fileno() if sys.__stdin__ else 0):
+            self._leave_by_signal(signal.SIGHUP)
 
     def _leave_by_signal(self, number: int) -> None:
         """The terminal may be gone already: first the machine, then the picture."""
@@ -248,10 +258,12 @@ class FraeseApp(App[None]):
 
     def _show_on_top(self, state: MachineState) -> None:
         """Pages above the main screen that show the machine, and the job's question."""
+        if not self.screen_stack:
+            return  # on the way out the machine still reports
         top = self.screen
         if isinstance(top, LivePage):
             top.show(state)
-        elif state.question and time.monotonic() > self._answered_at_s + _ANSWER_S:
+        elif state.question and not self._answer_is_new:
             from fraese.ui.dialogs import AskDialog
 
             question = state.question
@@ -481,11 +493,17 @@ class FraeseApp(App[None]):
         """The job's question: done, or the job is to be stopped."""
         if self._state.question != question:
             return
-        self._answered_at_s = time.monotonic()
+        self._answer_is_new = True
+        self.set_timer(_ANSWER_S, self._ask_again)
         if done:
             self._controller.answer()
         else:
             self._worker.cancel()
+
+    def _ask_again(self) -> None:
+        """The answer has arrived by now: what is asked still, or again, is a new question."""
+        self._answer_is_new = False
+        self._show_on_top(self._state)
 
     # --- programs ------------------------------------------------------------------------------
 

@@ -19,10 +19,15 @@ class Link(Static):
     """
 
     def __init__(self, action: str, key: str, title: str) -> None:
-        super().__init__(
-            Content.assemble((key, "bold $accent"), " ", title), classes="link", markup=False
-        )
+        super().__init__(classes="link")
+        self._key = key
+        self._title = title
         self._action = action
+
+    def render(self) -> Content:
+        """The key stands out, unless the whole link does."""
+        key = "bold" if self.has_class("-chosen") else "bold $accent"
+        return Content.assemble((self._key, key), " ", self._title)
 
     async def on_click(self) -> None:
         """Do it; a click is no press of a key, so the repeat rule starts anew."""

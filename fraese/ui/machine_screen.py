@@ -31,6 +31,9 @@ class MachineScreen(Screen[None]):
         machine_name: see ``StatusPanel``.
     """
 
+    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (140, "-wide")]  # noqa: RUF012
+    VERTICAL_BREAKPOINTS = [(0, "-low"), (28, "-high"), (45, "-tall")]  # noqa: RUF012
+
     def __init__(self, axes: tuple[str, ...], machine_name: str) -> None:
         super().__init__(classes=PICTURES[0])
         self._status = StatusPanel(machine_name)

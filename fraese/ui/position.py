@@ -1,9 +1,10 @@
 """The position of every axis, large: work and machine coordinates in mm, and half-steps."""
 
 from textual.app import ComposeResult
-from textual.containers import Horizontal, Vertical
+from textual.containers import Container, Horizontal, Vertical
 
 from fraese.state import MachineState
+from fraese.ui.big import BigNumber
 from fraese.ui.fact import Fact, Number
 
 
@@ -20,9 +21,11 @@ class AxisRow(Vertical):
         self._axis_name = name
         self._index = index
         self._mark = Fact(classes="mark")
+        self._big = BigNumber(classes="big")
         self._work = Number(8, classes="work")
         self._machine = Number(8, classes="machine")
         self._steps = Number(6, classes="steps")
+        self._count = Fact(classes="count")
         self._small = Fact(classes="small")
         self._gauge = Fact(classes="gauge")
 
@@ -32,9 +35,12 @@ class AxisRow(Vertical):
             with Vertical(classes="name"):
                 yield Fact(self._axis_name.upper(), classes="letter")
                 yield self._mark
+            yield self._big
             yield self._work
-            yield self._machine
-            yield self._steps
+            with Container(classes="rest"):
+                yield self._machine
+                yield self._steps
+                yield self._count
         yield self._small
         yield self._gauge
 
@@ -43,10 +49,16 @@ class AxisRow(Vertical):
         i = self._index
         referenced = state.referenced[i]
         self._mark.show("● ref" if referenced else "○ no ref", "-good" if referenced else "-weak")
-        self._work.show(millimetres(state.work_mm[i]))
-        if self._machine.display:
-            self._machine.show(millimetres(state.position_mm[i]))
-            self._steps.show(str(state.position_steps[i]))
+        for number, text in (
+            (self._big, millimetres(state.work_mm[i])),
+            (self._work, millimetres(state.work_mm[i])),
+            (self._machine, millimetres(state.position_mm[i])),
+            (self._steps, str(state.position_steps[i])),
+        ):
+            if number.display:
+                number.show(text)
+        if self._count.display:
+            self._count.show(f"{state.position_steps[i]} half-steps")
         if self._small.display:
             self._small.show(
                 f"machine {millimetres(state.position_mm[i])} mm  {state.position_steps[i]} steps"
@@ -59,7 +71,7 @@ class AxisRow(Vertical):
         if not state.referenced[i]:
             return f"travel {state.high_mm[i] - state.low_mm[i]:g} mm, not referenced: no limits"
         low_mm, high_mm, at_mm = state.low_mm[i], state.high_mm[i], state.position_mm[i]
-        low, high = f"{low_mm:g}", f"{high_mm:g}"
+        low, high = f"{low_mm:g}".rjust(6), f"{high_mm:g}".ljust(6)
         room = max(8, self._gauge.size.width - len(low) - len(high) - 4)
         share = min(1.0, max(0.0, (at_mm - low_mm) / (high_mm - low_mm)))
         at = round(share * (room - 1))

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.skipif(RS274 is None, reason=REASON)
 
 TOOLS = {1: 12.9794, 2: 3.0}
 EXAMPLES = settings(
-    max_examples=400,
+    max_examples=250,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
@@ -30,7 +30,7 @@ def test_programs(tmp_path: Path) -> None:
 
 
 def test_expressions(tmp_path: Path) -> None:
-    @settings(EXAMPLES, max_examples=200)
+    @settings(EXAMPLES, max_examples=120)
     @given(EXPRESSIONS)
     def check(text: str) -> None:
         assert not disagreement(text, tmp_path, TOOLS)

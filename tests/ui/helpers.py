@@ -101,9 +101,9 @@ class Bench:
         await self.wait(lambda: not self.app.busy and self.app.machine_state == controller.state())
         await self.pilot.pause()
 
-    async def long_move(self) -> None:
-        """X sets out on a way of several seconds, fast enough to need a ramp."""
-        self.app.order(lambda: self.plant.controller.move_to({"x": 120.0}))
+    async def long_move(self, mm: float = 120.0) -> None:
+        """X sets out on a way of seconds, fast enough to need a ramp."""
+        self.app.order(lambda: self.plant.controller.move_to({"x": mm}))
         await self.wait(lambda: self.plant.controller.state().speed_mm_min > 1100)
 
     async def jog(self, *keys: str) -> None:

@@ -67,8 +67,11 @@ def test_repeat_rule_leaves_other_widths_alone() -> None:
     async def scene() -> None:
         async with bench() as b:
             await b.press("2")
-            await b.jog(*["right"] * 22)
-            assert b.moved_steps[0] == 44
+            await b.press(*["right"] * 20)
+            await b.settled()
+            before = b.moved_steps[0]
+            await b.jog("right", "right")
+            assert b.moved_steps[0] == before + 4
 
     play(scene)
 
@@ -209,7 +212,7 @@ def test_second_stop_is_without_ramp() -> None:
 def test_hold_and_go_on() -> None:
     async def scene() -> None:
         async with bench(clock="paced") as b:
-            await b.long_move()
+            await b.long_move(60.0)
             await b.press("space")
             await b.wait(lambda: b.text("#word") == "HOLD")
             stood = b.moved_steps
@@ -217,7 +220,7 @@ def test_hold_and_go_on() -> None:
             assert b.moved_steps == stood
             await b.press("space")
             await b.settled()
-            assert b.moved_steps == (24000, 0, 0)
+            assert b.moved_steps == (12000, 0, 0)
             assert b.mill.look().lost_steps == (0, 0, 0)
 
     play(scene)

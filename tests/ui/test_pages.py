@@ -1,5 +1,15 @@
 """Programs, pages, pictures, sizes and themes."""
 
+import fcntl
+import os
+import pty
+import select
+import signal
+import struct
+import subprocess
+import sys
+import termios
+import time
 from pathlib import Path
 
 import pytest
@@ -15,8 +25,6 @@ from fraese.ui.machine_screen import PICTURES, MachineScreen
 from fraese.ui.path import PathView
 from fraese.ui.switch_screen import SwitchScreen
 from tests.ui.helpers import Bench, FakeFacts, FakeProgram, bench, play
-
-SIZES = [(80, 24), (100, 30), (160, 50)]
 
 
 def test_a_program_is_opened_shown_and_run() -> None:
@@ -195,20 +203,18 @@ def clipped(b: Bench) -> list[str]:
     return bad
 
 
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("light", [False, True])
+@pytest.mark.parametrize(
+    ("size", "light"), [((80, 24), False), ((80, 24), True), ((100, 30), False), ((160, 50), True)]
+)
 def test_pictures_fit(size: tuple[int, int], light: bool) -> None:
     async def scene() -> None:
         async with bench(size=size) as b:
             if light:
                 await b.press("t")
                 assert b.app.theme == "fraese-light"
-            await b.press("r", "enter")
-            await b.settled()
-            await b.press("g")
-            await b.type("X200.005 Y100 Z-33.333")
-            await b.press("enter")
-            await b.settled()
+            for axis, steps in (("x", 40_001), ("y", 20_000), ("z", -6_667)):
+                b.plant.controller.set_reference(axis, steps)
+            await b.jog("right")
             seen = []
             for _ in PICTURES:
                 screen = b.app.screen
@@ -297,3 +303,54 @@ def test_quit_waits_for_the_machine_and_switches_off() -> None:
         assert mill.look().currents[0] == (0, 0)
 
     play(scene)
+
+
+def test_a_signal_brakes_switches_off_and_ends_the_app(tmp_path: Path) -> None:
+    script = tmp_path / "app.py"
+    script.write_text(
+        "from fraese.assembly import assemble\n"
+        "from fraese.config import Config\n"
+        "from fraese.ui import FraeseApp\n"
+        "plant = assemble(Config(), clock='paced')\n"
+        "app = FraeseApp(plant.controller, open_program=None)\n"
+        "app.run()\n"
+        "seen = plant.port.look()\n"
+        "with open('end.txt', 'w') as file:\n"
+        "    print(app.return_code, seen.currents[0].a_percent, seen.lost_steps[0],\n"
+        "          plant.controller.position_steps()[0], file=file)\n"
+    )
+    near, far = pty.openpty()
+    fcntl.ioctl(far, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+    app = subprocess.Popen(
+        [sys.executable, str(script)], stdin=far, stdout=far, stderr=far, cwd=tmp_path,
+        start_new_session=True, env={**os.environ, "TERM": "xterm-256color"},
+    )  # fmt: skip
+    os.close(far)
+    try:
+        read_until(near, b"palette")
+        os.write(near, b"5")
+        os.write(near, b"\x1b[C")
+        read_until(near, b"RUN")
+        app.send_signal(signal.SIGTERM)
+        read_until(near, b"")
+        app.wait(timeout=20)
+    finally:
+        app.kill()
+        os.close(near)
+    code, current, lost, position = (tmp_path / "end.txt").read_text().split()
+    assert (code, current, lost) == ("143", "0", "0.0")
+    assert 0 < int(position) < 2000
+
+
+def read_until(fd: int, wanted: bytes) -> None:
+    """Read a terminal until this was drawn; nothing wanted: until it is closed."""
+    seen = b""
+    until = time.monotonic() + 20
+    while not wanted or wanted not in seen:
+        ready = select.select([fd], [], [], until - time.monotonic())[0]
+        assert ready, f"{wanted!r} was not drawn in time"
+        try:
+            seen += os.read(fd, 65536)
+        except OSError:  # the other side has closed
+            assert not wanted
+            return
