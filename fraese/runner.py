@@ -91,6 +91,16 @@ class Runner:
         """The operator has done what was asked."""
         self._answered = True
 
+    @property
+    def cancelling(self) -> bool:
+        """A cancel or stop of this job was asked for."""
+        return self._cancel or self._stop
+
+    @property
+    def holding(self) -> bool:
+        """A hold of this job was asked for and not lifted."""
+        return self._held and not self._resume
+
     # --- from the run loop's thread ------------------------------------------------------------
 
     def start(self, job: Job) -> None:

@@ -141,8 +141,6 @@ class FraeseApp(App[None]):
         self._drawn_at_s = 0.0
         self._answer_is_new = False
         self._draw_planned = False
-        self._stopping = False
-        self._holding = False
         self._program: Program | None = None
         self._program_path = program
         self._last_go_to: object = None
@@ -234,17 +232,13 @@ class FraeseApp(App[None]):
 
     def _draw(self, state: MachineState) -> None:
         before, self._state = self._state, state
-        if state.status is not Status.RUN:
-            self._stopping = self._holding = False
         if state.message != before.message or state.status is not before.status:
             self._show_message(state)
-        self._machine.show(state, self._stopping)
+        self._machine.show(state, self._controller.cancelling)
         self._show_on_top(state)
 
     def _show_message(self, state: MachineState) -> None:
-        error = state.status is Status.ERROR
-        text = state.message + (" Enter acknowledges." if error else "")
-        self._machine.say(text, "-alarm" if error else "")
+        self._machine.say(state.message, "-alarm" if state.status is Status.ERROR else "")
 
     def _show_on_top(self, state: MachineState) -> None:
         """Pages above the main screen that show the machine, and the job's question."""
@@ -298,7 +292,7 @@ class FraeseApp(App[None]):
         for command in COMMANDS:
             yield SystemCommand(
                 command.title,
-                f"{command.help} [{command.shown}]",
+                f"Key {command.shown}. {command.help}",
                 self._from_palette(command.action),
             )
 
@@ -329,25 +323,21 @@ class FraeseApp(App[None]):
     def action_stop_machine(self) -> None:
         """Brake; the second time while it moves, stop. At standstill the key is free."""
         moving = self._moving
-        if moving and self._stopping:
+        if self._controller.cancelling:
             self._worker.stop()
         else:
             self._worker.cancel()
         self._jogger.forget()
-        self._stopping = moving
         if not moving:
             raise SkipAction
         self._machine.show(self._state, True)
 
     def action_hold(self) -> None:
         """Feed hold, or go on."""
-        if not self._moving:
-            return
-        if self._holding or self._state.held:
+        if self._controller.holding:
             self._controller.resume()
-        else:
+        elif self._moving:
             self._controller.hold()
-        self._holding = not self._holding
 
     def action_acknowledge(self) -> None:
         """Take note of an error."""

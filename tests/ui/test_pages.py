@@ -266,6 +266,7 @@ def test_pictures_show_what_they_are_for() -> None:
 def test_everything_works_by_mouse() -> None:
     async def scene() -> None:
         async with bench() as b:
+            await b.pilot.click("#commands .link")  # Stop, with nothing to stop
             for link in b.app.screen.query(Link):
                 if "X+" in str(link.render()):
                     await b.pilot.click(link)
@@ -354,3 +355,19 @@ def read_until(fd: int, wanted: bytes) -> None:
         except OSError:  # the other side has closed
             assert not wanted
             return
+
+
+@pytest.mark.parametrize("presses", [0, 1, 2])
+def test_a_long_message_is_seen_in_full(presses: int) -> None:
+    async def scene() -> None:
+        async with bench() as b:
+            await b.press(*["v"] * presses)
+            sentence = " ".join(["twenty-two characters."] * 8) + " The last word."
+            screen = b.app.screen
+            assert isinstance(screen, MachineScreen)
+            screen.say(sentence)
+            await b.pilot.pause(0.1)
+            assert screen.query_one("#message").size.height == 3
+            assert clipped(b) == []
+
+    play(scene)
