@@ -11,6 +11,7 @@ Rule 4: however the app ends, the worker is closed: the motors are off.
 """
 
 import asyncio
+import contextlib
 import signal
 import sys
 import time
@@ -174,8 +175,12 @@ class FraeseApp(App[None]):
     async def run_async(self, **options: Any) -> None:
         """As Textual's; on every way out the motors are off."""
         loop = asyncio.get_running_loop()
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            loop.add_signal_handler(number, self._leave_by_signal, number)
+        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+            number = getattr(signal, name, None)
+            # Where there are no such signals, closing the window ends the process otherwise.
+            with contextlib.suppress(NotImplementedError):
+                if number is not None:
+                    loop.add_signal_handler(number, self._leave_by_signal, number)
         try:
             await super().run_async(**options)
         finally:
@@ -506,6 +511,8 @@ class FraeseApp(App[None]):
             program = self._open_program(path)
         except FraeseError as error:
             self.post_message(Refused(str(error)))
+        except Exception as error:  # a reader's mistake must not end the control of a machine
+            self.post_message(Refused(f"{path}: the reader failed, {error!r}; nothing is loaded."))
         else:
             self.call_from_thread(self._loaded, path, program)
 
