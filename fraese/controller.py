@@ -155,6 +155,16 @@ class Controller:
         """The operator has done what was asked."""
         self._runner.answer()
 
+    @property
+    def cancelling(self) -> bool:
+        """The running job has been told to end; it may still be braking."""
+        return self._status is Status.RUN and self._runner.cancelling
+
+    @property
+    def holding(self) -> bool:
+        """The running job has been told to wait; it may still be braking."""
+        return self._status is Status.RUN and self._runner.holding
+
     # --- the run loop --------------------------------------------------------------------------
 
     @property
@@ -423,7 +433,7 @@ class Controller:
         self._driver.set_switch_mode(self._switch_mode)
 
     def switch_log(self, on: bool) -> None:
-        """Log on or off.
+        """Log on or off; from any thread.
 
         Raises:
             ConfigError: if the file cannot be written.

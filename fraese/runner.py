@@ -130,6 +130,16 @@ class Runner:
         if self.question:
             self._answered = True
 
+    @property
+    def cancelling(self) -> bool:
+        """A cancel or stop of this job was asked for."""
+        return self._cancel or self._stop
+
+    @property
+    def holding(self) -> bool:
+        """A hold of this job was asked for and not lifted."""
+        return self._held and not self._resume
+
     # --- from the run loop's thread ------------------------------------------------------------
 
     def start(self, job: Job, detour: Detour | None = None) -> None:

@@ -1,81 +1,25 @@
-r"""The app: commands in, pictures out.
+"""The app's commands: what each key of the table does."""
 
-    key ----action----> worker.submit ----> run loop ----offer----> feed ----> screen
-         \---stop, hold---> flag (no queue in between)
-
-Rule 1: nothing heavy happens in this thread; the machine's thread posts messages, no more.
-Rule 2: stop and hold do not wait in line behind anything.
-Rule 3: the latest state wins and is drawn at most every ``_FRAME_S``; alarms and refusals are
-        messages of their own, each is shown.
-Rule 4: however the app ends, the worker is closed: the motors are off.
-"""
-
-import asyncio
-import os
-import signal
-import sys
-import time
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar
 
 from textual import events, work
 from textual.actions import SkipAction
-from textual.app import App, SystemCommand
+from textual.app import SystemCommand
 from textual.binding import Binding, BindingType
-from textual.message import Message
 from textual.screen import Screen
 
 from fraese.controller import Controller
 from fraese.errors import FraeseError
-from fraese.state import MachineState, Status
-from fraese.ui.feed import StateFeed
+from fraese.state import Status
 from fraese.ui.jogging import Jog, Jogger
 from fraese.ui.keys import COMMANDS, FIRST_WIDTH, WIDTHS, RepeatRule
-from fraese.ui.machine_screen import PICTURES, MachineScreen
-from fraese.ui.pages import LivePage
+from fraese.ui.machine_app import BUSY, MachineApp
+from fraese.ui.machine_screen import PICTURES
+from fraese.ui.messages import Noted, Refused
 from fraese.ui.programs import OpenProgram, Program, in_words
 from fraese.ui.themes import DARK, LIGHT
-from fraese.worker import Command, Worker
-
-#: Between two redraws.
-_FRAME_S: Final = 0.04
-#: An answer has arrived after this time; the same question then is a new one.
-_ANSWER_S: Final = 0.3
-#: The step loop of a simulated mill shares the interpreter: let it have its turn soon.
-_SWITCH_INTERVAL_S: Final = 0.0005
-#: How often it is seen whether the terminal is still there.
-_TERMINAL_SEEN_S: Final = 0.25
-_BUSY: Final = "The machine runs: stop it (Esc) or wait for the end of the job; nothing was done."
-
-
-class StateChanged(Message):
-    """There is something to take from the feed."""
-
-
-class Alarmed(Message):
-    """A job ended with an error."""
-
-    def __init__(self, sentence: str) -> None:
-        super().__init__()
-        self.sentence = sentence
-
-
-class Refused(Message):
-    """A command was refused; nothing has moved."""
-
-    def __init__(self, sentence: str) -> None:
-        super().__init__()
-        self.sentence = sentence
-
-
-class Noted(Message):
-    """Something to know."""
-
-    def __init__(self, sentence: str, warning: bool = False) -> None:
-        super().__init__()
-        self.sentence = sentence
-        self.warning = warning
 
 
 def _bindings() -> list[BindingType]:
@@ -92,7 +36,7 @@ def _bindings() -> list[BindingType]:
     ]
 
 
-class FraeseApp(App[None]):
+class FraeseApp(MachineApp):
     """The terminal app.
 
     Args:
@@ -122,174 +66,21 @@ class FraeseApp(App[None]):
         machine_name: str = "",
         hand: Callable[[str, bool], None] | None = None,
     ) -> None:
-        super().__init__()
-        self._controller = controller
-        self._axes = tuple(axis.name for axis in controller.machine.axes)
+        super().__init__(controller, notes, before_motion, machine_name)
         self._open_program = open_program
-        self._notes = tuple(notes)
-        self._before_motion = before_motion
-        self._first_program = program
         self._hand = hand
-        self._worker = Worker(
-            controller,
-            on_refusal=self._tell_refusal,
-            on_idle=self._offer,
-        )
-        self._feed = StateFeed(lambda: self.post_message(StateChanged()))
         self._jogger = Jogger(controller, self._worker)
-        self._machine = MachineScreen(self._axes, machine_name)
         self._repeats = RepeatRule()
         self._width = FIRST_WIDTH
-        self._state = controller.state()
-        self._drawn_at_s = 0.0
-        self._answer_is_new = False
-        self._draw_planned = False
-        self._stopping = False
-        self._holding = False
         self._program: Program | None = None
         self._program_path = program
         self._last_go_to: object = None
-        controller.set_display(self._full_display)
-        controller.set_show_pos(self._offer)
-
-    # --- coming and going ----------------------------------------------------------------------
-
-    def get_default_screen(self) -> Screen[Any]:
-        """The machine."""
-        return self._machine
 
     def on_mount(self) -> None:
-        """First picture, then the machine's thread."""
-        self.register_theme(DARK)
-        self.register_theme(LIGHT)
-        self.theme = DARK.name
+        """What was given at the start."""
         self._machine.show_width(self._width, 1)
-        self._draw(self._state)
-        sys.setswitchinterval(_SWITCH_INTERVAL_S)
-        if not self.is_headless:
-            self.set_interval(_TERMINAL_SEEN_S, self._see_terminal)
-        self._worker.start()
-        for note in self._notes:
-            self._note(note, warning=True)
-        if self._first_program is not None:
-            self._load(self._first_program)
-
-    def on_unmount(self) -> None:
-        """Motors off."""
-        self._worker.close()
-
-    async def run_async(self, **options: Any) -> None:
-        """As Textual's; on every way out the motors are off."""
-        loop = asyncio.get_running_loop()
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            loop.add_signal_handler(number, self._leave_by_signal, number)
-        try:
-            await super().run_async(**options)
-        finally:
-            self._worker.close()
-
-    def _see_terminal(self) -> None:
-        """A terminal that went away without a signal: nobody can press the stop key any more."""
-        if not os.isatty(sys.__stdin__.fileno() if sys.__stdin__ else 0):
-            self._leave_by_signal(signal.SIGHUP)
-
-    def _leave_by_signal(self, number: int) -> None:
-        """The terminal may be gone already: first the machine, then the picture."""
-        self._worker.cancel()
-        self.exit(return_code=128 + number)
-
-    @property
-    def machine_state(self) -> MachineState:
-        """The state last drawn."""
-        return self._state
-
-    @property
-    def busy(self) -> bool:
-        """The machine's thread has something to do, or there is something left to draw."""
-        return self._worker.busy or self._draw_planned
-
-    # --- from the machine's thread -------------------------------------------------------------
-
-    def _offer(self) -> None:
-        self._feed.offer(self._controller.state())
-
-    def _tell_refusal(self, sentence: str) -> None:
-        self.post_message(Refused(sentence))
-
-    def _full_display(self) -> None:
-        state = self._controller.state()
-        self._feed.offer(state)
-        if state.status is Status.ERROR:
-            self.post_message(Alarmed(state.message))
-
-    # --- to the screen -------------------------------------------------------------------------
-
-    def on_state_changed(self) -> None:
-        """Draw now, or when the frame is over."""
-        if self._draw_planned:
-            return
-        wait_s = self._drawn_at_s + _FRAME_S - time.monotonic()
-        if wait_s > 0:
-            self._draw_planned = True
-            self.set_timer(wait_s, self._draw_latest)
-        else:
-            self._draw_latest()
-
-    def _draw_latest(self) -> None:
-        self._draw_planned = False
-        self._drawn_at_s = time.monotonic()
-        state = self._feed.take()
-        if state is not None:
-            self._draw(state)
-
-    def _draw(self, state: MachineState) -> None:
-        before, self._state = self._state, state
-        if state.status is not Status.RUN:
-            self._stopping = self._holding = False
-        if state.message != before.message or state.status is not before.status:
-            self._show_message(state)
-        self._machine.show(state, self._stopping)
-        self._show_on_top(state)
-
-    def _show_message(self, state: MachineState) -> None:
-        error = state.status is Status.ERROR
-        text = state.message + (" Enter acknowledges." if error else "")
-        self._machine.say(text, "-alarm" if error else "")
-
-    def _show_on_top(self, state: MachineState) -> None:
-        """Pages above the main screen that show the machine, and the job's question."""
-        if not self.screen_stack:
-            return  # on the way out the machine still reports
-        top = self.screen
-        if isinstance(top, LivePage):
-            top.show(state)
-        elif state.question and not self._answer_is_new:
-            from fraese.ui.dialogs import AskDialog
-
-            question = state.question
-            self.push_screen(AskDialog(question), lambda done: self._answered(question, done))
-
-    def on_alarmed(self, message: Alarmed) -> None:
-        """The job ended with an error."""
-        self.bell()
-        self.notify(message.sentence, title="Error", severity="error", timeout=10, markup=False)
-
-    def on_refused(self, message: Refused) -> None:
-        """A command was refused."""
-        self._refuse(message.sentence)
-
-    def on_noted(self, message: Noted) -> None:
-        """Something to know."""
-        self._note(message.sentence, message.warning)
-
-    def _refuse(self, sentence: str) -> None:
-        self._machine.say(sentence, "-warn")
-        self.notify(sentence, severity="warning", timeout=5, markup=False)
-
-    def _note(self, sentence: str, warning: bool = False) -> None:
-        self._machine.say(sentence, "-warn" if warning else "")
-        if warning:
-            self.notify(sentence, severity="warning", timeout=8, markup=False)
+        if self._program_path is not None:
+            self._load(self._program_path)
 
     # --- keys ----------------------------------------------------------------------------------
 
@@ -308,7 +99,7 @@ class FraeseApp(App[None]):
         for command in COMMANDS:
             yield SystemCommand(
                 command.title,
-                f"{command.help} [{command.shown}]",
+                f"Key {command.shown}. {command.help}",
                 self._from_palette(command.action),
             )
 
@@ -320,44 +111,24 @@ class FraeseApp(App[None]):
 
     # --- commands ------------------------------------------------------------------------------
 
-    def order(self, command: Command, *, moves: bool = True) -> None:
-        """Hand a command to the machine's thread."""
-        before = self._before_motion if moves else None
-
-        def ordered() -> None:
-            if before is not None:
-                before()
-            command()
-
-        if not self._worker.submit(ordered):
-            self._refuse(_BUSY)
-
-    @property
-    def _moving(self) -> bool:
-        return self._controller.status is Status.RUN
-
     def action_stop_machine(self) -> None:
         """Brake; the second time while it moves, stop. At standstill the key is free."""
         moving = self._moving
-        if moving and self._stopping:
+        if self._controller.cancelling:
             self._worker.stop()
         else:
             self._worker.cancel()
         self._jogger.forget()
-        self._stopping = moving
         if not moving:
             raise SkipAction
         self._machine.show(self._state, True)
 
     def action_hold(self) -> None:
         """Feed hold, or go on."""
-        if not self._moving:
-            return
-        if self._holding or self._state.held:
+        if self._controller.holding:
             self._controller.resume()
-        else:
+        elif self._moving:
             self._controller.hold()
-        self._holding = not self._holding
 
     def action_acknowledge(self) -> None:
         """Take note of an error."""
@@ -372,7 +143,7 @@ class FraeseApp(App[None]):
         single = Jog(axis, steps=sign * factor)
         jog = single if width_mm is None else Jog(axis, mm=sign * width_mm)
         if not self._jogger.press(jog, self._before_motion):
-            self._refuse(_BUSY)
+            self._refuse(BUSY)
 
     def action_width(self, by: int) -> None:
         """The next width, or the one before."""
@@ -453,7 +224,7 @@ class FraeseApp(App[None]):
         from fraese.ui.switch_screen import SwitchScreen
 
         if self._moving:
-            self._refuse(_BUSY)
+            self._refuse(BUSY)
             return
         self.push_screen(SwitchScreen(self._axes, self._hand))
         self.call_after_refresh(self._show_on_top, self._state)
@@ -489,22 +260,6 @@ class FraeseApp(App[None]):
         self._worker.cancel()
         self.exit()
 
-    def _answered(self, question: str, done: object) -> None:
-        """The job's question: done, or the job is to be stopped."""
-        if self._state.question != question:
-            return
-        self._answer_is_new = True
-        self.set_timer(_ANSWER_S, self._ask_again)
-        if done:
-            self._controller.answer()
-        else:
-            self._worker.cancel()
-
-    def _ask_again(self) -> None:
-        """The answer has arrived by now: what is asked still, or again, is a new question."""
-        self._answer_is_new = False
-        self._show_on_top(self._state)
-
     # --- programs ------------------------------------------------------------------------------
 
     def action_open(self) -> None:
@@ -526,12 +281,14 @@ class FraeseApp(App[None]):
             program = self._open_program(path)
         except FraeseError as error:
             self.post_message(Refused(str(error)))
+        except Exception as error:  # a reader's mistake must not end the control of a machine
+            self.post_message(Refused(f"{path}: the reader failed, {error!r}; nothing is loaded."))
         else:
             self.call_from_thread(self._loaded, path, program)
 
     def _loaded(self, path: Path, program: Program) -> None:
         if self._moving:
-            self._refuse(_BUSY)
+            self._refuse(BUSY)
             return
         self._program_path, self._program = path, program
         self._machine.show_program(program.name, program.lines)

@@ -4,7 +4,13 @@ from textual.widgets import Digits, Static
 
 
 class Fact(Static):
-    """A few words; ``show`` costs a comparison while they stay the same."""
+    """A few words; ``show`` costs a comparison while they stay the same.
+
+    Attributes:
+        flows: its height follows the text; else a new text needs no new layout.
+    """
+
+    flows = False
 
     def __init__(
         self,
@@ -21,7 +27,7 @@ class Fact(Static):
         """These words, in this tone: a CSS class such as "-alarm", or none."""
         if text != self._text:
             self._text = text
-            self.update(text, layout=False)
+            self.update(text, layout=self.flows)
         if tone != self._tone:
             before, self._tone = self._tone, tone
             self.set_classes((self.classes - {before}) | ({tone} if tone else set()))

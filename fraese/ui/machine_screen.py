@@ -15,10 +15,9 @@ from textual.widgets import Footer
 
 from fraese.state import MachineState
 from fraese.ui.commands import CommandList
-from fraese.ui.fact import Fact
 from fraese.ui.path import PathView
 from fraese.ui.position import PositionPanel
-from fraese.ui.status import JobLine, StatusPanel, WidthBar
+from fraese.ui.status import JobLine, MessageLine, StatusPanel, WidthBar
 
 PICTURES: Final = ("commands", "position", "path")
 
@@ -41,7 +40,7 @@ class MachineScreen(Screen[None]):
         self._widths = WidthBar()
         self._path = PathView()
         self._job = JobLine()
-        self._message = Fact(id="message")
+        self._message = MessageLine(id="message")
         self._state: MachineState | None = None
         self._stopping = False
 

@@ -123,14 +123,23 @@ class WidthBar(Horizontal):
         self._note.show(f"× {factor}" if factor > 1 and WIDTHS[chosen].mm is None else "", "-warn")
 
 
+class MessageLine(Fact):
+    """The last thing that a person should know; a long sentence takes a third line."""
+
+    flows = True
+
+
 class JobLine(Fact):
-    """Progress of the job in hand."""
+    """Progress of the job in hand, or what an error waits for."""
 
     def __init__(self) -> None:
         super().__init__(id="job")
 
     def show_job(self, state: MachineState) -> None:
         """Draw what changed; empty between jobs."""
+        if state.status is Status.ERROR:
+            self.show("Press Enter to acknowledge the error.", "-alarm")
+            return
         running = state.status is Status.RUN and state.job is not None
         self.show(self._words(state.job) if running and state.job else "")
 

@@ -226,6 +226,29 @@ def test_hold_and_go_on() -> None:
     play(scene)
 
 
+def test_hold_and_stop_count_for_one_job_only() -> None:
+    async def scene() -> None:
+        async with bench(clock="paced") as b:
+            controller = b.plant.controller
+            await b.long_move(10.0)
+            b.app.action_hold()
+            b.app.action_stop_machine()
+            await b.wait(lambda: not b.app.busy)
+            await b.long_move()
+            assert not controller.holding
+            assert not controller.cancelling
+            b.app.action_hold()
+            assert controller.holding
+            await b.wait(lambda: controller.state().held)
+            b.app.action_stop_machine()
+            assert controller.cancelling
+            await b.settled()
+            assert b.mill.look().lost_steps == (0, 0, 0)
+            assert "without ramp" not in b.text("#message")
+
+    play(scene)
+
+
 def test_stop_ends_a_hold() -> None:
     async def scene() -> None:
         async with bench(clock="paced") as b:
@@ -250,7 +273,8 @@ def test_contact_is_an_error_until_acknowledged() -> None:
             await b.jog("right")
             assert b.text("#word") == "ERROR"
             assert b.text("#switch") == "switch xmax"
-            assert "Enter acknowledges" in b.text("#message")
+            assert "Press Enter" in b.text("#job")
+            assert "End switch xmax closed" in b.text("#message")
             stood = b.mill.look().carriages_steps
             await b.jog("left")
             assert "Acknowledge" in b.text("#message")

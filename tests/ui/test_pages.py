@@ -1,15 +1,5 @@
 """Programs, pages, pictures, sizes and themes."""
 
-import fcntl
-import os
-import pty
-import select
-import signal
-import struct
-import subprocess
-import sys
-import termios
-import time
 from pathlib import Path
 
 import pytest
@@ -72,6 +62,19 @@ def test_a_file_that_cannot_be_read_is_said() -> None:
         async with bench(program=Path("nothing.nc")) as b:
             await b.wait(lambda: "nothing.nc: cannot be read" in b.text("#message"))
             assert b.text("#program") == "no program"
+
+    play(scene)
+
+
+def test_a_reader_that_fails_does_not_end_the_app() -> None:
+    def fails(path: Path) -> FakeProgram:
+        raise ZeroDivisionError("oops")
+
+    async def scene() -> None:
+        async with bench(program=Path("odd.nc"), open_program=fails) as b:
+            await b.wait(lambda: "odd.nc: the reader failed" in b.text("#message"))
+            await b.jog("right")
+            assert b.moved_steps == (200, 0, 0)
 
     play(scene)
 
@@ -266,6 +269,7 @@ def test_pictures_show_what_they_are_for() -> None:
 def test_everything_works_by_mouse() -> None:
     async def scene() -> None:
         async with bench() as b:
+            await b.pilot.click("#commands .link")  # Stop, with nothing to stop
             for link in b.app.screen.query(Link):
                 if "X+" in str(link.render()):
                     await b.pilot.click(link)
@@ -305,52 +309,17 @@ def test_quit_waits_for_the_machine_and_switches_off() -> None:
     play(scene)
 
 
-def test_a_signal_brakes_switches_off_and_ends_the_app(tmp_path: Path) -> None:
-    script = tmp_path / "app.py"
-    script.write_text(
-        "from fraese.assembly import assemble\n"
-        "from fraese.config import Config\n"
-        "from fraese.ui import FraeseApp\n"
-        "plant = assemble(Config(), clock='paced')\n"
-        "app = FraeseApp(plant.controller, open_program=None)\n"
-        "app.run()\n"
-        "seen = plant.port.look()\n"
-        "with open('end.txt', 'w') as file:\n"
-        "    print(app.return_code, seen.currents[0].a_percent, seen.lost_steps[0],\n"
-        "          plant.controller.position_steps()[0], file=file)\n"
-    )
-    near, far = pty.openpty()
-    fcntl.ioctl(far, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
-    app = subprocess.Popen(
-        [sys.executable, str(script)], stdin=far, stdout=far, stderr=far, cwd=tmp_path,
-        start_new_session=True, env={**os.environ, "TERM": "xterm-256color"},
-    )  # fmt: skip
-    os.close(far)
-    try:
-        read_until(near, b"palette")
-        os.write(near, b"5")
-        os.write(near, b"\x1b[C")
-        read_until(near, b"RUN")
-        app.send_signal(signal.SIGTERM)
-        read_until(near, b"")
-        app.wait(timeout=20)
-    finally:
-        app.kill()
-        os.close(near)
-    code, current, lost, position = (tmp_path / "end.txt").read_text().split()
-    assert (code, current, lost) == ("143", "0", "0.0")
-    assert 0 < int(position) < 2000
+@pytest.mark.parametrize("presses", [0, 1, 2])
+def test_a_long_message_is_seen_in_full(presses: int) -> None:
+    async def scene() -> None:
+        async with bench() as b:
+            await b.press(*["v"] * presses)
+            sentence = " ".join(["twenty-two characters."] * 8) + " The last word."
+            screen = b.app.screen
+            assert isinstance(screen, MachineScreen)
+            screen.say(sentence)
+            await b.pilot.pause(0.1)
+            assert screen.query_one("#message").size.height == 3
+            assert clipped(b) == []
 
-
-def read_until(fd: int, wanted: bytes) -> None:
-    """Read a terminal until this was drawn; nothing wanted: until it is closed."""
-    seen = b""
-    until = time.monotonic() + 20
-    while not wanted or wanted not in seen:
-        ready = select.select([fd], [], [], until - time.monotonic())[0]
-        assert ready, f"{wanted!r} was not drawn in time"
-        try:
-            seen += os.read(fd, 65536)
-        except OSError:  # the other side has closed
-            assert not wanted
-            return
+    play(scene)
