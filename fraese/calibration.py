@@ -76,7 +76,16 @@ class Homing:
         yield from self._pull_off(axis, -sign, other)
         zero_to_switch = axis.to_steps(self._config.pull_off_mm)
         measured_mm = axis.to_mm(abs(other) + zero_to_switch)
+        yield from self._back_to_zero(axis)
         return f"{name.upper()} (travel {measured_mm:.3f} mm, configured {axis.travel_mm:g} mm)"
+
+    def _back_to_zero(self, axis: Axis) -> _Steps:
+        """The other end may lie outside the soft limits; home is where a reference run ends."""
+        index = self._machine.index(axis.name)
+        delta = [0] * len(self._machine.axes)
+        delta[index] = -self._controller.position_steps()[index]
+        yield from self._controller.line(tuple(delta), None)
+        return (yield STANDSTILL)
 
     def _find(self, axis: Axis, sign: int) -> Generator[Block | Standstill | Ask, Report, int]:
         """Approach, back off, approach slowly; the axis position at contact, in steps."""

@@ -132,15 +132,19 @@ class Survey:
                 return
             low = high = to
             length_mm = math.dist(self._at, to)
+        before = self._at
         self._at = move.to  # type: ignore[union-attr]
         self.length_mm += length_mm
         for i in range(3):
             if low[i] < self.low[i]:
                 self.low[i] = low[i]
-                self._check(i, low[i], move.line)
+                # An axis that stands outside and is not moved harms nothing.
+                if low[i] < before[i]:
+                    self._check(i, low[i], move.line)
             if high[i] > self.high[i]:
                 self.high[i] = high[i]
-                self._check(i, high[i], move.line)
+                if high[i] > before[i]:
+                    self._check(i, high[i], move.line)
 
     def _check(self, index: int, value_mm: float, line: int) -> None:
         """A new extreme: is it still inside?"""

@@ -545,3 +545,14 @@ def test_a_motion_code_alone_is_no_part_of_the_bounds(tmp_path: Path) -> None:
     facts = program(tmp_path, "G21 G90 G1 F900\nX20 Y10 Z-1\nX30\nM2\n").check(made.controller)
     assert facts.low_mm == (20.0, 10.0, -1.0)
     assert facts.high_mm == (30.0, 10.0, -1.0)
+
+
+def test_an_axis_that_stands_outside_and_is_not_moved_does_not_refuse_a_program(
+    tmp_path: Path,
+) -> None:
+    made = homed()
+    made.controller.set_reference("x", -20)
+    facts = program(tmp_path, "G21 G90 G1 Y5 F900\nM2\n").check(made.controller)
+    assert facts.ok
+    with pytest.raises(LimitError, match=r"line 1: X -1\.000"):
+        program(tmp_path, "G21 G90 G1 X-1 F900\nM2\n").check(made.controller)
