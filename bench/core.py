@@ -10,9 +10,10 @@ from fraese.blocks import Block, Piece, accel_q_from_hz_s, rate_q8_from_hz
 from fraese.motor.cards import SmcCard
 from fraese.motor.clock import VirtualClock
 from fraese.motor.core import MotorCore
-from fraese.motor.mill import Mill, RotorLimits
+from fraese.motor.mill import Mill
 from fraese.motor.phases import LEVEL_MAPS
 from fraese.motor.ports.sim import SimulatedMill, SmcElectronics
+from fraese.motor.rotor import RotorLimits
 from fraese.planner.ramps import trapezoid
 
 STEPS: Final = 150_000

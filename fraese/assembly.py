@@ -20,7 +20,7 @@ from fraese.machine import Machine
 from fraese.motor.cards import STEPDIR_PROFILES, OutputPin, SmcCard, StepDirCard
 from fraese.motor.clock import MonotonicClock, PacedClock, VirtualClock
 from fraese.motor.core import MotorCore
-from fraese.motor.mill import TURN_STEPS, Mill, RotorLimits
+from fraese.motor.mill import Mill
 from fraese.motor.phases import LEVEL_MAPS, PHASE_TABLES
 from fraese.motor.ports.sim import (
     Electronics,
@@ -30,6 +30,7 @@ from fraese.motor.ports.sim import (
     StepDirElectronics,
     Wiring,
 )
+from fraese.motor.rotor import TURN_STEPS, RotorLimits
 from fraese.motor.seams import Card, Clock, Port
 from fraese.motor.switches import SwitchInput
 

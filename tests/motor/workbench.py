@@ -19,10 +19,11 @@ from fraese.blocks import (
 from fraese.motor.cards import STEPDIR_PROFILES, OutputPin, SmcCard, StepDirCard
 from fraese.motor.clock import VirtualClock
 from fraese.motor.core import MotorCore
-from fraese.motor.mill import Mill, RotorLimits
+from fraese.motor.mill import Mill
 from fraese.motor.phases import LEVEL_MAPS, MOTRUN
 from fraese.motor.ports.recorder import Access, Recorder
 from fraese.motor.ports.sim import Electronics, SimulatedMill, SmcElectronics, StepDirElectronics
+from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import CONTROL, DATA, Card, Clock, End, Report, SwitchMode
 from fraese.motor.switches import SwitchInput
 from fraese.planner.ramps import trapezoid
