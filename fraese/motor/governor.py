@@ -71,11 +71,10 @@ class Governor:
         """A block begins: its limits, and the rate scaled to its own."""
         if cursor.leader_bit:
             block = cursor.block
-            entry_cycles = block.pieces[0].interval_q8 >> 8
-            self._throttle.junction(self._exit_cycles, entry_cycles)
+            self._throttle.junction(self._exit_cycles, cursor.entry_cycles)
             self._throttle.block(block.accel_q, block.jump_rate_q8)
             from_rest = self._throttle.state is _OPEN and not self._exit_cycles
-            if from_rest and is_above_jump(block.jump_rate_q8, entry_cycles):
+            if from_rest and is_above_jump(block.jump_rate_q8, cursor.entry_cycles):
                 # The plan begins at speed, but what came before it was late or dropped.
                 self._throttle.hold()
                 self._open()
