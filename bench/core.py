@@ -7,12 +7,14 @@ import time
 from typing import Final
 
 from fraese.blocks import Block, Piece, accel_q_from_hz_s, rate_q8_from_hz
-from fraese.motor.cards import SmcCard
+from fraese.motor.cards.smc1500 import SmcCard
 from fraese.motor.clock import VirtualClock
 from fraese.motor.core import MotorCore
-from fraese.motor.mill import Mill, RotorLimits
+from fraese.motor.electronics import SmcElectronics
+from fraese.motor.mill import Mill
 from fraese.motor.phases import LEVEL_MAPS
-from fraese.motor.ports.sim import SimulatedMill, SmcElectronics
+from fraese.motor.ports.sim import SimulatedMill
+from fraese.motor.rotor import RotorLimits
 from fraese.planner.ramps import trapezoid
 
 STEPS: Final = 150_000

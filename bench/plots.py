@@ -12,12 +12,14 @@ from pathlib import Path
 from fraese.blocks import CYCLES_PER_S, Block
 from fraese.config import Config
 from fraese.machine import Machine
-from fraese.motor.cards import StepDirCard
+from fraese.motor.cards.stepdir import StepDirCard
 from fraese.motor.clock import VirtualClock
 from fraese.motor.core import MotorCore
-from fraese.motor.mill import Mill, RotorLimits
+from fraese.motor.electronics import StepDirElectronics
+from fraese.motor.mill import Mill
 from fraese.motor.ports.recorder import Recorder
-from fraese.motor.ports.sim import SimulatedMill, StepDirElectronics
+from fraese.motor.ports.sim import SimulatedMill
+from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import DATA
 from fraese.planner.lines import plan_line
 from fraese.planner.planner import Planner

@@ -17,19 +17,16 @@ from fraese.errors import ConfigError
 from fraese.journal import Journal
 from fraese.log import LogFile
 from fraese.machine import Machine
-from fraese.motor.cards import STEPDIR_PROFILES, OutputPin, SmcCard, StepDirCard
+from fraese.motor.cards.control import OutputPin
+from fraese.motor.cards.smc1500 import SmcCard
+from fraese.motor.cards.stepdir import STEPDIR_PROFILES, StepDirCard
 from fraese.motor.clock import MonotonicClock, PacedClock, VirtualClock
 from fraese.motor.core import MotorCore
-from fraese.motor.mill import TURN_STEPS, Mill, RotorLimits
+from fraese.motor.electronics import Electronics, SmcElectronics, StepDirElectronics
+from fraese.motor.mill import Mill
 from fraese.motor.phases import LEVEL_MAPS, PHASE_TABLES
-from fraese.motor.ports.sim import (
-    Electronics,
-    RotorState,
-    SimulatedMill,
-    SmcElectronics,
-    StepDirElectronics,
-    Wiring,
-)
+from fraese.motor.ports.sim import RotorState, SimulatedMill, Wiring
+from fraese.motor.rotor import TURN_STEPS, RotorLimits
 from fraese.motor.seams import Card, Clock, Port
 from fraese.motor.switches import SwitchInput
 

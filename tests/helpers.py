@@ -132,7 +132,8 @@ def run_program(plant: Plant, program: Program, *, from_line: int = 0) -> Status
 def record(plant: Plant) -> Recorder:
     """Write down everything that the card does to the port from now on."""
     recorder = Recorder(plant.port, plant.clock)
-    core: Any = plant.controller._driver
-    core._port = recorder
-    core._access = (recorder.write_data, core._sample, recorder.write_control)
+    driver: Any = plant.controller._driver
+    wires = driver._run.wires
+    wires._read_status = recorder.read_status
+    wires.access = (recorder.write_data, wires._sample, recorder.write_control)
     return recorder

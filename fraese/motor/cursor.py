@@ -17,6 +17,8 @@ class Cursor:
         leader_bit: bit mask of the leading motor, 0 in a dwell.
         minors: [accumulator, steps, bit] of every other motor that moves.
         piece_left: ticks left of the piece in hand, with ``interval_q8`` and ``add_q8``.
+        entry_cycles: its first interval as planned.
+        outputs: the block's change of outputs, until it is made.
     """
 
     def __init__(self, block: Block) -> None:
@@ -32,6 +34,8 @@ class Cursor:
             for motor, n in enumerate(block.steps)
             if n and motor != self.leader
         ]
+        self.entry_cycles = next((p.interval_q8 >> 8 for p in block.pieces if p.ticks), 0)
+        self.outputs = block.outputs
         self._pieces = iter(block.pieces)
         self.piece_left = 0
         self.interval_q8 = 0

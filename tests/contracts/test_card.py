@@ -5,7 +5,9 @@ from collections.abc import Callable
 
 import pytest
 
-from fraese.motor.cards import STEPDIR_PROFILES, OutputPin, SmcCard, StepDirCard
+from fraese.motor.cards.control import OutputPin
+from fraese.motor.cards.smc1500 import SmcCard
+from fraese.motor.cards.stepdir import STEPDIR_PROFILES, StepDirCard
 from fraese.motor.phases import PHASE_TABLES
 from fraese.motor.seams import CONTROL, DATA, STATUS, Card, Entries, IdleLevel
 

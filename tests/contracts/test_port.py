@@ -9,10 +9,12 @@ from dataclasses import dataclass
 import pytest
 
 from fraese.motor.clock import VirtualClock
-from fraese.motor.mill import Mill, RotorLimits
+from fraese.motor.electronics import SmcElectronics, StepDirElectronics
+from fraese.motor.mill import Mill
 from fraese.motor.phases import LEVEL_MAPS
 from fraese.motor.ports.recorder import Access, Recorder
-from fraese.motor.ports.sim import SimulatedMill, SmcElectronics, StepDirElectronics
+from fraese.motor.ports.sim import SimulatedMill
+from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import CONTROL, DATA, STATUS, End, Port
 
 INPUT_BITS = 0xF8

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fraese.blocks import Block, Watch, WatchAction, dwell
-from fraese.motor.mill import RotorLimits
+from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import End, IdleLevel, Report
 from tests.motor.workbench import Workbench, line, steady
 

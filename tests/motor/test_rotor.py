@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fraese.blocks import Piece, accel_q_from_hz_s
-from fraese.motor.mill import RotorLimits
 from fraese.motor.phases import MOTRUN
+from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import End, IdleLevel, Report
 from fraese.planner.ramps import mirrored, trapezoid
 from tests.motor.workbench import (

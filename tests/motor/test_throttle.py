@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fraese.blocks import Block, Outputs, dwell
+from fraese.blocks import Block, Outputs, Piece, dwell
 from fraese.errors import StateError
 from fraese.motor.seams import DATA, Ended, Report
 from fraese.motor.throttle import Throttle, ThrottleState
@@ -76,6 +76,18 @@ class TestBrake:
         assert held.data_writes() == smooth.data_writes()
         assert held.carriages() == smooth.carriages() == report.position_steps
         assert held.lost() == (0, 0, 0)
+
+    @given(interval_q8=st.integers(1, 1 << 40))
+    def test_a_piece_without_ticks_is_nothing_at_a_junction(self, interval_q8: int) -> None:
+        def stands_at(*nothing: Piece) -> tuple[int, ...]:
+            second = line(1000, entry_hz=MAX_HZ)
+            second = second._replace(pieces=(*nothing, *second.pieces))
+            bench = Workbench()
+            bench.run_until_tick(990, line(1000, exit_hz=MAX_HZ), second)
+            bench.core.brake()
+            return bench.run().position_steps
+
+        assert stands_at(Piece(0, interval_q8)) == stands_at()
 
     def test_braking_goes_on_over_junctions_without_a_leap(self) -> None:
         """Short blocks, all planned at the full rate."""

@@ -16,13 +16,17 @@ from fraese.blocks import (
     accel_q_from_hz_s,
     rate_q8_from_hz,
 )
-from fraese.motor.cards import STEPDIR_PROFILES, OutputPin, SmcCard, StepDirCard
+from fraese.motor.cards.control import OutputPin
+from fraese.motor.cards.smc1500 import SmcCard
+from fraese.motor.cards.stepdir import STEPDIR_PROFILES, StepDirCard
 from fraese.motor.clock import VirtualClock
 from fraese.motor.core import MotorCore
-from fraese.motor.mill import Mill, RotorLimits
+from fraese.motor.electronics import Electronics, SmcElectronics, StepDirElectronics
+from fraese.motor.mill import Mill
 from fraese.motor.phases import LEVEL_MAPS, MOTRUN
 from fraese.motor.ports.recorder import Access, Recorder
-from fraese.motor.ports.sim import Electronics, SimulatedMill, SmcElectronics, StepDirElectronics
+from fraese.motor.ports.sim import SimulatedMill
+from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import CONTROL, DATA, Card, Clock, End, Report, SwitchMode
 from fraese.motor.switches import SwitchInput
 from fraese.planner.ramps import trapezoid

@@ -9,12 +9,14 @@ from hypothesis import strategies as st
 
 from fraese.blocks import Block
 from fraese.machine import Machine
-from fraese.motor.cards import SmcCard
+from fraese.motor.cards.smc1500 import SmcCard
 from fraese.motor.clock import VirtualClock
 from fraese.motor.core import MotorCore
-from fraese.motor.mill import Mill, RotorLimits
+from fraese.motor.electronics import SmcElectronics
+from fraese.motor.mill import Mill
 from fraese.motor.ports.recorder import Recorder
-from fraese.motor.ports.sim import SimulatedMill, SmcElectronics
+from fraese.motor.ports.sim import SimulatedMill
+from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import CONTROL, Ended, Report
 from fraese.planner.planner import Options, Planner
 from tests.planner.motion import Point, machine, run, total_steps, uneven

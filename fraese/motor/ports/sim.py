@@ -1,170 +1,26 @@
 """The simulated mill: a parallel port with a card and a machine on it.
 
-Everything comes in through the registers, as on metal: the electronics latch on the strobe (or on
-a clock edge), turn the fields of the motors, and the mechanics follow as far as they can.
+    write_data, write_control --> Electronics --> Rotor --> carriage --> Contacts
+    read_status <------------------------------------------------------------'
+
+Rule 1: a driver sees three registers and nothing else. What a person at the machine sees and does
+        (look, press, switch off) goes past the registers.
+Rule 2: physics is asked with the time of the driver's clock, whatever the wall clock says.
+Rule 3: what stays as it is when everything is switched off can be kept and taken up again.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, NamedTuple, Protocol
+from typing import Final, NamedTuple
 
+from fraese.motor.electronics import Electronics
 from fraese.motor.mill import Mill
-from fraese.motor.phases import MOTRUN, MOTZERO, Currents, currents_of, field_angle
+from fraese.motor.phases import Currents
 from fraese.motor.seams import Clock, End
 
 #: All inputs at rest: bits 3 to 7 read 1, on these cards "no contact".
 INPUTS_AT_REST: Final = 0xF8
-_STROBE: Final = 1
 _LONG_AGO_NS: Final = 10_000_000_000
-
-
-class Electronics(Protocol):
-    """A card as seen from the plug."""
-
-    def data(self, value: int) -> None:
-        """The data pins changed to this byte."""
-
-    def control(self, value: int) -> None:
-        """The control register was written."""
-
-    #: Where each motor's field pointed last, in half-steps of a turn.
-    angles: list[float]
-
-    def currents(self, motor: int) -> Currents:
-        """What a clamp meter would show on the coils."""
-
-    def cut_power(self) -> None:
-        """The supply is gone; rotors are free."""
-
-    def restore_power(self) -> None:
-        """The supply is back; currents are nil until something is commanded."""
-
-
-class SmcElectronics:
-    """SMC800/SMC1500: latches the data byte on nStrobe, holds the phase currents.
-
-    Args:
-        mill: what the motors move.
-        clock: when it happens.
-        levels: what the current codes really mean on this card.
-        rest: the byte in whose field the rotors stand at first.
-    """
-
-    def __init__(
-        self, mill: Mill, clock: Clock, levels: tuple[int, int, int, int], rest: int = MOTRUN[0]
-    ) -> None:
-        self._mill = mill
-        self._now_ns = clock.now_ns
-        self._levels = levels
-        self._angle_of = [field_angle(byte, levels) for byte in range(64)]
-        self.angles = [self._angle_of[rest & 63] or 0.0] * len(mill.rotors)
-        self._latched = [MOTZERO] * len(mill.rotors)
-        self._data = 0
-        self._control = 0
-        self._supplied = True
-
-    def data(self, value: int) -> None:
-        """Only seen at the next strobe."""
-        self._data = value
-
-    def control(self, value: int) -> None:
-        """The strobe's setting edge latches."""
-        if value & _STROBE and not self._control & _STROBE:
-            self._latch(self._data)
-        self._control = value
-
-    def _latch(self, byte: int) -> None:
-        motor = byte >> 6
-        if motor >= len(self._latched):
-            return
-        self._latched[motor] = byte
-        angle = self._angle_of[byte & 63]
-        rotor = self._mill.rotors[motor]
-        if angle is None:
-            if rotor.powered:
-                rotor.release()
-            return
-        delta = angle - self.angles[motor]
-        self.angles[motor] = angle
-        if not rotor.powered and self._supplied:
-            rotor.energise()
-        if delta:
-            if delta > 4:
-                delta -= 8
-            elif delta < -4:
-                delta += 8
-            self._mill.turn(motor, delta, self._now_ns())
-
-    def currents(self, motor: int) -> Currents:
-        """From the byte last latched."""
-        return currents_of(self._latched[motor] if self._supplied else MOTZERO, self._levels)
-
-    def cut_power(self) -> None:
-        """All coils without current; what is latched meanwhile moves nothing and is lost."""
-        self._supplied = False
-        for rotor in self._mill.rotors:
-            rotor.release()
-
-    def restore_power(self) -> None:
-        """Currents flow again from the next byte on."""
-        self._supplied = True
-        self._latched = [MOTZERO] * len(self._mill.rotors)
-
-
-class StepDirElectronics:
-    """Step/direction drives: data bits 2k, 2k+1 are direction and clock of motor k.
-
-    Args:
-        mill: what the motors move.
-        clock: when it happens.
-        clock_idles_high: a step is then the falling edge.
-        forward_high: level of the direction lines for positive steps.
-    """
-
-    def __init__(
-        self,
-        mill: Mill,
-        clock: Clock,
-        clock_idles_high: bool = False,
-        forward_high: bool = True,
-    ) -> None:
-        self._mill = mill
-        self._now_ns = clock.now_ns
-        # Inverted wiring is turned round at the plug.
-        self._inverted = (0xAA if clock_idles_high else 0) | (0 if forward_high else 0x55)
-        self.angles = [0.0] * len(mill.rotors)
-        # Pulled up before anybody writes: the first byte is no rising edge.
-        self._data = 0xFF
-        self.restore_power()
-
-    def data(self, value: int) -> None:
-        """A rising clock steps its motor."""
-        value ^= self._inverted
-        rising = value & ~self._data
-        self._data = value
-        for motor in range(len(self._mill.rotors)):
-            if rising >> 2 * motor & 2:
-                self._mill.turn(motor, 1 if value >> 2 * motor & 1 else -1, self._now_ns())
-
-    def control(self, value: int) -> None:
-        """ACTIVE and BOOST change the current, not the position."""
-
-    def currents(self, motor: int) -> Currents:
-        """A drive regulates its own currents; on or off is all that is known here."""
-        level = 100 if self._supplied else 0
-        return Currents(level, level)
-
-    def cut_power(self) -> None:
-        """Motors without current; the drives count on, and what they count is lost."""
-        self._supplied = False
-        for rotor in self._mill.rotors:
-            rotor.release()
-
-    def restore_power(self) -> None:
-        """Current again: rotors turn to the nearest angle of their field."""
-        self._supplied = True
-        for rotor in self._mill.rotors:
-            rotor.energise()
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,7 +101,7 @@ class SimulatedMill:
 
     # --- a person at the machine ---------------------------------------------------------------
 
-    def look(self) -> "Sight":
+    def look(self) -> Sight:
         """What a person sees now, everything at rest judged."""
         now_ns = self._clock.now_ns()
         for motor, rotor in enumerate(self.mill.rotors):

@@ -1,0 +1,1 @@
+"""Peers behind the Card seam: one file a card, none imports another."""

@@ -1,0 +1,136 @@
+r"""SMC800/SMC1500: phase currents, one motor after the other, a reading after each.
+
+    data     ==X=========X==========X=====      the byte: motor, phase B, phase A
+    strobe   __/~\_______/~\________/~\__      control bit 0; the pin is the inverse
+    status      r         r          r
+
+Rule 1: within a tick the leader comes first, then motor order.
+Rule 2: a movement is data, strobe set, strobe clear, reading. The strobe bit rests clear.
+Rule 3: the card has no direction lines and no clock: a direction is the order of the table.
+"""
+
+from collections.abc import Sequence
+from typing import Final
+
+from fraese.motor.cards.control import CONTROL_PINS, NOTHING, READING, ControlLines, OutputPin
+from fraese.motor.phases import MOTRUN, MOTZERO, holding_table, motor_bits
+from fraese.motor.seams import CONTROL, DATA, STATUS, Entries, Entry, IdleLevel
+
+_STROBE_BIT: Final = CONTROL_PINS[1][0]
+
+
+def _orders(motors: int) -> tuple[tuple[tuple[int, ...], ...], ...]:
+    """For every leader and every bit mask of moving motors: their order within a tick."""
+
+    def order(leader: int, moving: int) -> tuple[int, ...]:
+        by_rank = sorted(range(motors), key=lambda motor: (motor != leader, motor))
+        return tuple(motor for motor in by_rank if moving >> motor & 1)
+
+    return tuple(
+        tuple(order(leader, moving) for moving in range(1 << motors)) for leader in range(motors)
+    )
+
+
+class SmcCard:
+    """SMC800/SMC1500 without its add-on board: phase currents, one motor a write.
+
+    Args:
+        table: drive table, one entry a half-step, of any length.
+        holding_percent: current at ``IdleLevel.HOLD``; 0 means off.
+        levels: level map, a row of ``LEVEL_MAPS``; only used to derive the holding table.
+        outputs: free outputs on pins 14, 16 and 17; pin 1 is the strobe.
+        motors: 1 to 3.
+    """
+
+    setup_cycles = 0
+    pulse_cycles = 0
+    fall = NOTHING
+
+    def __init__(
+        self,
+        table: bytes = MOTRUN,
+        holding_percent: int = 0,
+        levels: tuple[int, int, int, int] = (100, 60, 20, 0),
+        outputs: Sequence[OutputPin] = (),
+        motors: int = 3,
+    ) -> None:
+        self.motors = motors
+        self._table = table
+        self._holding = holding_table(table, holding_percent, levels)
+        self._holds = holding_percent > 0
+        self._lines = ControlLines(0, outputs)
+        self._index = [0] * motors
+        self._directions = [0] * motors
+        self._orders = _orders(motors)
+        self._order = self._orders[0]
+        self._run = self._columns()
+
+    def _latch(self, byte: int) -> Entries:
+        control = self._lines.value
+        return (
+            Entry(DATA, byte),
+            Entry(CONTROL, control | _STROBE_BIT),
+            Entry(CONTROL, control & ~_STROBE_BIT),
+        )
+
+    def _columns(self) -> list[list[Entries]]:
+        """Per motor and index, a whole movement; made anew when an output changes."""
+        return [
+            [(*self._latch(motor_bits(motor) | byte), Entry(STATUS, motor)) for byte in self._table]
+            for motor in range(self.motors)
+        ]
+
+    def _stand(self, table: bytes) -> Entries:
+        return tuple(
+            entry
+            for motor, index in enumerate(self._index)
+            for entry in self._latch(motor_bits(motor) | table[index])
+        )
+
+    def begin(self, directions: Sequence[int], leader: int) -> Entries:
+        """Nothing to set up: the direction is the order of the table."""
+        self._directions[:] = directions
+        self._order = self._orders[leader]
+        return NOTHING
+
+    def tick(self, moving: int) -> Entries:
+        """Data, strobe set, strobe clear, reading; for each moving motor."""
+        if not moving:
+            return READING
+        entries = NOTHING
+        for motor in self._order[moving]:
+            column = self._run[motor]
+            at = self._index[motor] = (self._index[motor] + self._directions[motor]) % len(column)
+            entries = entries + column[at] if entries else column[at]
+        return entries
+
+    def signals(self, active: bool, boost: bool) -> Entries:
+        """The card has no such lines."""
+        return NOTHING
+
+    def set_outputs(self, mask: int, value: int) -> Entries:
+        """Bit 0 is the first configured output."""
+        before = self._lines.value
+        self._lines.set_outputs(mask, value)
+        if self._lines.value == before:
+            return NOTHING
+        self._run = self._columns()
+        return self._lines.entries()
+
+    def energise(self) -> Entries:
+        """Every motor at full current in its present phase."""
+        return self._stand(self._table)
+
+    def idle(self, level: IdleLevel) -> Entries:
+        """Holding current from the second table, or both phases of every motor off."""
+        if level is IdleLevel.HOLD and self._holds:
+            return self._stand(self._holding)
+        return self._stand(bytes([MOTZERO]) * len(self._table))
+
+    def phases(self) -> tuple[int, ...]:
+        """Index into the drive table, per motor."""
+        return tuple(self._index)
+
+    def set_phases(self, phases: Sequence[int]) -> None:
+        """Take up indices that were kept."""
+        self._index[:] = [phase % len(self._table) for phase in phases]

@@ -1,0 +1,142 @@
+"""Step/direction drives (X4Step, the paper): all motors in one byte.
+
+    data     ==X(dir)=====X(clocks high)===X(clocks low)==
+               |<- setup ->|<-- half int. -->|
+    status                  r
+
+Rule 1: a step counts at the edge away from rest; all clocks of a tick leave it in one write.
+Rule 2: direction lines change while the clocks rest, and only those of motors that will move.
+Rule 3: inverted clocks and directions are a matter of the byte only.
+"""
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+from fraese.motor.cards.control import NOTHING, READING, ControlLines, OutputPin
+from fraese.motor.seams import DATA, Entries, Entry, IdleLevel
+
+_BOOST_PIN: Final = 16
+_ACTIVE_PIN: Final = 17
+
+_CYCLES_PER_US: Final = 16
+
+
+class StepDirProfile(NamedTuple):
+    """Timing of a step/direction wiring, in cycles."""
+
+    setup_cycles: int
+    pulse_cycles: int
+    max_rate_hz: int
+
+
+#: X4Step: clock high and low equally long, never under 25 us, direction 100 us ahead. The paper:
+#: at least 0.5 us, direction and clock together; its top speed is 133 kHz.
+STEPDIR_PROFILES: Final = {
+    "x4step": StepDirProfile(100 * _CYCLES_PER_US, 25 * _CYCLES_PER_US, 20_000),
+    "paper": StepDirProfile(0, _CYCLES_PER_US // 2, 133_333),
+}
+
+
+class StepDirCard:
+    """Step/direction drives: data bits 2k and 2k+1 are direction and clock of motor k.
+
+    Args:
+        profile: a row of ``STEPDIR_PROFILES``.
+        clock_idles_high: the clock's resting level.
+        forward_high: the direction line's level for positive steps.
+        outputs: free outputs on pins 1 and 14; 16 is BOOST, 17 is ACTIVE.
+        enable: bit of ``outputs`` that carries the drives' enable, or None. The wiring has no
+            enable line of its own; without one the current cannot be switched off here.
+        motors: 1 to 4.
+    """
+
+    def __init__(
+        self,
+        profile: StepDirProfile = STEPDIR_PROFILES["x4step"],
+        clock_idles_high: bool = False,
+        forward_high: bool = True,
+        outputs: Sequence[OutputPin] = (),
+        enable: int | None = None,
+        motors: int = 4,
+    ) -> None:
+        self.motors = motors
+        self.setup_cycles = profile.setup_cycles
+        self.pulse_cycles = profile.pulse_cycles
+        self._forward = 1 if forward_high else -1
+        self._enable = 0 if enable is None else 1 << enable
+        # All four control pins low: ACTIVE and BOOST off.
+        self._lines = ControlLines(0b1011, outputs)
+        clocks = [2 << 2 * motor for motor in range(motors)]
+        self._clock_rest = sum(clocks) if clock_idles_high else 0
+        self._clocks = [
+            sum(clock for motor, clock in enumerate(clocks) if moving >> motor & 1)
+            for moving in range(1 << motors)
+        ]
+        self._count = [0] * motors
+        self._directions = [0] * motors
+        self._data = self._clock_rest
+        self.fall: Entries = NOTHING
+        self._rises: list[Entries] = []
+        self._rebuild()
+
+    def _rebuild(self) -> None:
+        """The entries of every tick, which depend on the direction bits only."""
+        self.fall = (Entry(DATA, self._data),)
+        self._rises = [
+            (Entry(DATA, self._data ^ clocks), *READING) if clocks else READING
+            for clocks in self._clocks
+        ]
+
+    def begin(self, directions: Sequence[int], leader: int) -> Entries:
+        """Direction bits of the motors that will move; the others keep theirs."""
+        self._directions[:] = directions
+        data = self._data
+        for motor, direction in enumerate(directions):
+            bit = 1 << 2 * motor
+            if direction:
+                data = data | bit if direction == self._forward else data & ~bit
+        if data == self._data:
+            return NOTHING
+        self._data = data
+        self._rebuild()
+        return self.fall
+
+    def tick(self, moving: int) -> Entries:
+        """All clocks of the tick rise in one byte; one reading."""
+        for motor, direction in enumerate(self._directions):
+            if moving >> motor & 1:
+                self._count[motor] += direction
+        return self._rises[moving]
+
+    def signals(self, active: bool, boost: bool) -> Entries:
+        """ACTIVE while any motor runs, BOOST in ramps."""
+        before = self._lines.value
+        self._lines.set_pin(_ACTIVE_PIN, active)
+        self._lines.set_pin(_BOOST_PIN, boost)
+        return NOTHING if self._lines.value == before else self._lines.entries()
+
+    def set_outputs(self, mask: int, value: int) -> Entries:
+        """Bit 0 is the first configured output."""
+        before = self._lines.value
+        self._lines.set_outputs(mask, value)
+        return NOTHING if self._lines.value == before else self._lines.entries()
+
+    def energise(self) -> Entries:
+        """Enable the drives, where an output is configured for it; else nothing to do."""
+        return self.set_outputs(self._enable, self._enable)
+
+    def idle(self, level: IdleLevel) -> Entries:
+        """ACTIVE and BOOST low; drives disabled for OFF where an output is configured for it."""
+        enabled = self._enable if level is IdleLevel.HOLD else 0
+        self._lines.set_pin(_ACTIVE_PIN, False)
+        self._lines.set_pin(_BOOST_PIN, False)
+        self._lines.set_outputs(self._enable, enabled)
+        return (*self.fall, *self._lines.entries())
+
+    def phases(self) -> tuple[int, ...]:
+        """Net pulses; a drive keeps its own phase, so this is for reports only."""
+        return tuple(self._count)
+
+    def set_phases(self, phases: Sequence[int]) -> None:
+        """Take up counts that were kept."""
+        self._count[:] = phases

@@ -1,0 +1,145 @@
+"""Which interval comes next: the plan's, or the throttle's where that is longer.
+
+Rule 1: nothing changes path or plan. Brake, hold, resume and a dry queue work the throttle.
+Rule 2: it closes on a brake, and when what is queued no longer suffices to stop from the present
+        rate; it opens on resume, and when blocks come that it was closed for want of.
+Rule 3: an interval that was waited for, but not to its end, is chosen anew only if the throttle
+        closes meanwhile: at a low rate it may be a long one.
+Rule 4: where the throttle is open and the queue cannot run dry, it is calm: the ticks are played
+        without asking here.
+"""
+
+from typing import Final
+
+from fraese.motor.blockqueue import BlockQueue
+from fraese.motor.cursor import Cursor
+from fraese.motor.requests import Requests
+from fraese.motor.seams import Ended
+from fraese.motor.throttle import Throttle, ThrottleState
+from fraese.motor.track import Track, is_above_jump
+from fraese.motor.wires import Wires
+
+_OPEN: Final = ThrottleState.OPEN
+_CLOSING_OR_HELD: Final = (ThrottleState.CLOSING, ThrottleState.HELD)
+
+#: Instead of an interval.
+NO_TICK: Final = -1
+
+
+class Governor:
+    """The throttle, and when it opens and closes.
+
+    Attributes:
+        awaited_cycles: the interval that was begun and not waited to its end; 0: none.
+        dry_queues: how often the queue ran dry.
+    """
+
+    def __init__(self, requests: Requests, queue: BlockQueue, track: Track, wires: Wires) -> None:
+        self._requests = requests
+        self._queue = queue
+        self._track = track
+        self._wires = wires
+        self._throttle = Throttle()
+        self._dry = False
+        self._exit_cycles = 0
+        self.awaited_cycles = 0
+        self.dry_queues = 0
+
+    @property
+    def held(self) -> bool:
+        """The throttle is closed: no tick is played."""
+        return self._throttle.state is ThrottleState.HELD
+
+    def resume(self) -> None:
+        """Open the throttle again; not while braking for a watch that ends the run."""
+        if not self._requests.drop_when_still:
+            self._requests.brake_wanted = False
+            self._open()
+
+    def refilled(self) -> None:
+        """A block has come."""
+        if self._dry:
+            self._open()
+
+    def hold_if_wanted(self) -> None:
+        """A brake at standstill holds what comes next."""
+        if self._requests.brake_wanted:
+            self._requests.brake_wanted = self._dry = False
+            self._throttle.hold()
+
+    def enter(self, cursor: Cursor) -> None:
+        """A block begins: its limits, and the rate scaled to its own."""
+        if cursor.leader_bit:
+            block = cursor.block
+            self._throttle.junction(self._exit_cycles, cursor.entry_cycles)
+            self._throttle.block(block.accel_q, block.jump_rate_q8)
+            from_rest = self._throttle.state is _OPEN and not self._exit_cycles
+            if from_rest and is_above_jump(block.jump_rate_q8, cursor.entry_cycles):
+                # The plan begins at speed, but what came before it was late or dropped.
+                self._throttle.hold()
+                self._open()
+        else:
+            self._throttle.dwell()
+        if not self._queue.resting_blocks:
+            self._requests.calm = False
+
+    def leave(self, cursor: Cursor) -> None:
+        """A block has ended: the next one's rate is scaled from here."""
+        exit_q8 = cursor.interval_q8 - cursor.add_q8
+        self._exit_cycles = exit_q8 >> 8 if cursor.leader_bit else 0
+
+    def rest(self) -> None:
+        """The motors stand: what comes next comes from standstill."""
+        self.awaited_cycles = self._exit_cycles = 0
+
+    def finish(self, ended: Ended) -> None:
+        """The run is over. A brake that came too late for it holds what comes next."""
+        braked = self._throttle.state in _CLOSING_OR_HELD and not self._dry
+        if ended is Ended.TARGET and braked:
+            self._throttle.hold()
+        else:
+            self._throttle.reset()
+        self._dry = False
+
+    def interval(self, cursor: Cursor, plan_cycles: int) -> int:
+        """The interval to the next tick when not all is calm, or ``NO_TICK``."""
+        requests, throttle, last_cycles = self._requests, self._throttle, self._track.last_cycles
+        if requests.stop_wanted:
+            return NO_TICK
+        state = throttle.state
+        if requests.brake_wanted:
+            requests.brake_wanted = self._dry = False
+            self._close()
+        elif self._runs_dry(cursor, last_cycles):
+            self._dry = True
+            self.dry_queues += 1
+            self._close()
+        if self.awaited_cycles:
+            cycles, self.awaited_cycles = self.awaited_cycles, 0
+            return cycles
+        cycles = plan_cycles
+        if throttle.state is not _OPEN:
+            cycles = throttle.interval(plan_cycles, last_cycles)
+        if throttle.state is not state and cycles >= 0:
+            self.show_ramp(cursor)
+        requests.be_calm(throttle.state is _OPEN and self._queue.resting_blocks > 0)
+        return cycles
+
+    def show_ramp(self, cursor: Cursor) -> None:
+        """Tell the drives whether the rate changes, by the plan or by the throttle."""
+        self._wires.signal_ramp(self._throttle.state is not _OPEN or bool(cursor.add_q8))
+
+    def _runs_dry(self, cursor: Cursor, last_cycles: int) -> bool:
+        queue = self._queue
+        if queue.resting_blocks or not last_cycles or self._throttle.state in _CLOSING_OR_HELD:
+            return False
+        return queue.falls_short(cursor, last_cycles)
+
+    def _close(self) -> None:
+        self._throttle.close(self._track.last_cycles)
+        self.awaited_cycles = 0
+
+    def _open(self) -> None:
+        self._dry = False
+        self._throttle.open()
+        self._requests.calm = False

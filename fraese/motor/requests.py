@@ -1,0 +1,61 @@
+"""What is wanted of the run: to brake, to stop, and what for.
+
+Rule 1: only ``brake`` and ``stop`` may be called from any thread. They set one flag each, and
+        then disturb the calm.
+Rule 2: while it is calm, ticks are played as planned without a look at throttle and flags.
+        Whoever makes it calm reads the flags after that: one may have been set in between.
+Rule 3: a wish stands until the run has acted on it.
+"""
+
+from fraese.motor.seams import Ended
+
+
+class Requests:
+    """Flags between those who want something and the run that acts on it.
+
+    Attributes:
+        calm: ticks may be played by the plan alone.
+        brake_wanted: close the throttle.
+        stop_wanted: play no further tick,
+        stop_reason: and say that it was for this.
+        drop_when_still: the queue is dropped when the throttle has closed: a watch was fulfilled
+            above the start/stop rate.
+    """
+
+    __slots__ = ("brake_wanted", "calm", "drop_when_still", "stop_reason", "stop_wanted")
+
+    def __init__(self) -> None:
+        self.calm = True
+        self.brake_wanted = False
+        self.stop_wanted = False
+        self.stop_reason = Ended.STOP
+        self.drop_when_still = False
+
+    def brake(self) -> None:
+        """Close the throttle. From any thread."""
+        self.brake_wanted = True
+        self.calm = False
+
+    def stop(self) -> None:
+        """Finish the tick in hand, drop the rest. From any thread."""
+        self.stop_wanted = True
+        self.calm = False
+
+    def stop_for(self, reason: Ended) -> None:
+        """Stop, and remember what for."""
+        self.stop_reason = reason
+        self.stop()
+
+    def be_calm(self, calm: bool) -> None:
+        """Choose whether the throttle is looked at; a flag that is set is looked at anyway."""
+        self.calm = calm
+        if self.stop_wanted or self.brake_wanted:
+            self.calm = False
+
+    def acted(self, ended: Ended) -> None:
+        """The run is over. A brake outlives only a run that came to its target by itself."""
+        if ended is not Ended.TARGET:
+            self.brake_wanted = False
+        self.stop_wanted = self.drop_when_still = False
+        self.stop_reason = Ended.STOP
+        self.be_calm(True)
