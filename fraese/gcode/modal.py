@@ -60,8 +60,8 @@ G_REFUSED: Final[dict[int, str]] = {
 }
 M_REFUSED: Final[dict[int, str]] = {
     19: "the spindle cannot be oriented: it has no encoder",
-    98: "subroutine calls by M98 are not supported; use o<name> call",
-    99: "return by M99 is not supported; use o<name> endsub",
+    98: "it has to be the first word of its line, with P and L alone behind it",
+    99: "it has to stand alone on its line",
     **dict.fromkeys(range(62, 69), "synchronised inputs and outputs are not supported"),
 }
 G_GROUP: Final = {code: group for group, codes in G_GROUPS.items() for code in codes}
