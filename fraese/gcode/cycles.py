@@ -1,4 +1,4 @@
-"""Canned cycles G73, G81 to G83, G85, G86 and G89 as sequences of simple strokes.
+"""Canned cycles G73, G74, G81 to G86 and G89 as sequences of simple strokes.
 
 In the plane's own axes: the cycle moves across the plane and drills along the third axis.
 Where it starts, with "old" the height at which the first cycle of a series began::
@@ -21,8 +21,8 @@ from fraese.errors import ProgramError
 CLEARANCE_MM: Final = 0.254
 
 Stroke = tuple[
-    Literal["rapid", "feed", "dwell", "stop", "start"],
-    float,  # height in mm, or seconds for a dwell, nothing for the spindle
+    Literal["rapid", "feed", "dwell", "stop", "start", "reverse", "hold feed", "free feed"],
+    float,  # height in mm, or seconds for a dwell, nothing for spindle and feed override
 ]
 
 
@@ -104,14 +104,34 @@ def _bore_dwell(hole: Hole) -> Iterator[Stroke]:
     yield "feed", hole.clear_mm
 
 
+def _tap(hole: Hole) -> Iterator[Stroke]:
+    # The tap's own pitch leads; a floating holder makes up for what feed and speed differ.
+    yield "hold feed", 0.0
+    yield "feed", hole.bottom_mm
+    yield "reverse", 0.0
+    yield "dwell", 0.0 if hole.dwell_s is None else _dwell(hole)
+    yield "feed", hole.clear_mm
+    yield "start", 0.0
+    yield "free feed", 0.0
+
+
 STROKES: Final[dict[int, Callable[[Hole], Iterator[Stroke]]]] = {
     730: lambda hole: _peck(hole, to_top=False),
+    740: _tap,
     810: _drill,
     820: _drill_dwell,
     830: lambda hole: _peck(hole, to_top=True),
+    840: _tap,
     850: _bore,
     860: _bore_stop,
     890: _bore_dwell,
+}
+
+# Which way the spindle has to turn; the other way, or not at all, is an error.
+TURNS: Final[dict[int, tuple[tuple[int, ...], str]]] = {
+    740: ((-1,), "G74 taps a left-hand thread and needs a spindle that turns by M4"),
+    840: ((1,), "G84 taps a right-hand thread and needs a spindle that turns by M3"),
+    860: ((-1, 1), "G86 needs a turning spindle: start it with M3 or M4"),
 }
 
 

@@ -10,6 +10,7 @@ from fraese.gcode.canon import (
     Dwell,
     Feed,
     Move,
+    Overrides,
     PathControl,
     PathMode,
     Rapid,
@@ -21,6 +22,8 @@ from fraese.gcode.position import LETTERS, Position
 from fraese.gcode.words import Block
 
 MAX_REPEATS: Final = 100_000
+# What a stroke does to the spindle's direction.
+_SPINDLE: Final = {"stop": 0, "start": 1, "reverse": -1}
 
 
 class Drilling:
@@ -99,10 +102,10 @@ class Drilling:
             yield Rapid(self._position.line, self._position.machine)
             if height_mm != hole.r_mm:
                 yield self._height(hole.r_mm, third)
-            if code == 860 and spindle == 0:
-                raise ProgramError("G86 needs a turning spindle: start it with M3 or M4")
+            if code in cycles.TURNS and spindle not in cycles.TURNS[code][0]:
+                raise ProgramError(cycles.TURNS[code][1])
             for stroke in cycles.STROKES[code](hole):
-                yield self._stroke(stroke, third, spindle)
+                yield from self._stroke(stroke, third, spindle)
             height_mm = hole.clear_mm
         yield from restore[1:]
 
@@ -122,16 +125,18 @@ class Drilling:
         self._position.at = (at[0], at[1], at[2])
         return Rapid(self._position.line, self._position.machine)
 
-    def _stroke(self, stroke: Stroke, axis: int, spindle: int) -> Move:
+    def _stroke(self, stroke: Stroke, axis: int, spindle: int) -> Iterator[Move]:
         kind, value = stroke
-        if kind == "dwell":
-            return Dwell(self._position.line, value)
-        if kind in ("stop", "start"):
-            direction = cast(Literal[-1, 0, 1], spindle if kind == "start" else 0)
-            return Spindle(self._position.line, direction, self._modal.rev_min)
-        rapid = self._height(value, axis)
-        return (
-            rapid
-            if kind == "rapid"
-            else Feed(self._position.line, rapid.to, self._modal.feed_mm_min)
-        )
+        line = self._position.line
+        if kind == "rapid":
+            yield self._height(value, axis)
+        elif kind == "feed":
+            yield Feed(line, self._height(value, axis).to, self._modal.feed_mm_min)
+        elif kind == "dwell":
+            yield Dwell(line, value)
+        elif kind in _SPINDLE:
+            direction = cast(Literal[-1, 0, 1], spindle * _SPINDLE[kind])
+            yield Spindle(line, direction, self._modal.rev_min)
+        elif self._modal.overrides:
+            # M49 holds the feed already, and goes on to do so.
+            yield Overrides(line, kind == "free feed")

@@ -28,7 +28,7 @@ from fraese.gcode.modal import M_OFFSET, ORDER, Modal
 from fraese.gcode.motion import Motion
 from fraese.gcode.offsets import Coordinates
 from fraese.gcode.outputs import Handler, Moves, Outputs
-from fraese.gcode.oword import Flow
+from fraese.gcode.oword import SUBPROGRAM, Flow
 from fraese.gcode.parameters import Parameters
 from fraese.gcode.settings import Settings
 from fraese.gcode.setup import Setup
@@ -150,7 +150,7 @@ class Interpreter:
             text = text[1:]
         if text[:1] == "n":
             text = words.strip_line_number(text)
-        if text[:1] == "o":
+        if text[:1] == "o" or (text[:2] == "m9" and SUBPROGRAM.match(text)):
             return self._o_word(text)
         if not text and not comment:
             return ()
@@ -159,8 +159,12 @@ class Interpreter:
     def _o_word(self, text: str) -> Moves:
         flow = self._flow
         level = flow.call_level
-        flow.do(flow.read(text))
-        if flow.call_level < level:
+        word = flow.read(text)
+        flow.do(word)
+        if flow.over:
+            return self._outputs.end(self._motion.line)
+        # M99 leaves even where it begins the next repetition.
+        if flow.call_level < level or word.keyword == "m99":
             return self._settings.leave(self._motion.line, level)
         return ()
 

@@ -14,7 +14,7 @@ from fraese.gcode.canon import PathMode, Plane
 # group -> codes in tenths
 G_GROUPS: Final[dict[str, tuple[int, ...]]] = {
     "nonmodal": (40, 100, 280, 281, 300, 301, 520, 530, 920, 921, 922, 923),
-    "motion": (0, 10, 20, 30, 382, 383, 384, 385, 730, 810, 820, 830, 850, 860, 890),
+    "motion": (0, 10, 20, 30, 382, 383, 384, 385, *(730, 740, 810, 820, 830, 840, 850, 860, 890)),
     "cancel": (800,),
     "plane": (170, 180, 190),
     "distance": (900, 910),
@@ -50,9 +50,7 @@ G_REFUSED: Final[dict[int, str]] = {
     411: "cutter compensation is not supported; let the CAM program offset the path",
     420: "cutter compensation is not supported; let the CAM program offset the path",
     421: "cutter compensation is not supported; let the CAM program offset the path",
-    740: "tapping needs a spindle encoder, and there is none",
     760: "threading needs a spindle encoder, and there is none",
-    840: "tapping needs a spindle encoder, and there is none",
     870: "back boring needs an oriented spindle, and there is none",
     880: "boring with manual retract is not supported; use G86 or G89",
     950: "feed per revolution needs a spindle encoder, and there is none; use G94",
@@ -60,8 +58,8 @@ G_REFUSED: Final[dict[int, str]] = {
 }
 M_REFUSED: Final[dict[int, str]] = {
     19: "the spindle cannot be oriented: it has no encoder",
-    98: "subroutine calls by M98 are not supported; use o<name> call",
-    99: "return by M99 is not supported; use o<name> endsub",
+    98: "it has to be the first word of its line, with P and L alone behind it",
+    99: "it has to stand alone on its line",
     **dict.fromkeys(range(62, 69), "synchronised inputs and outputs are not supported"),
 }
 G_GROUP: Final = {code: group for group, codes in G_GROUPS.items() for code in codes}
@@ -98,7 +96,7 @@ ORDER: Final = (
 
 ARCS: Final = frozenset({20, 30})
 PROBES: Final = frozenset({382, 383, 384, 385})
-CYCLES: Final = frozenset({730, 810, 820, 830, 850, 860, 890})
+CYCLES: Final = frozenset({730, 740, 810, 820, 830, 840, 850, 860, 890})
 # Codes outside the motion group that use X, Y and Z for themselves.
 AXIS_USERS: Final = frozenset({100, 280, 300, 431, 520, 920})
 
@@ -112,8 +110,8 @@ WORD_USERS: Final[dict[str, tuple[frozenset[int], str]]] = {
     "q": (frozenset({100, 640, 730, 830, 1061}), "G10, G64, G73, G83 or M61"),
     "h": (frozenset({430, 432}), "G43"),
     "p": (
-        ARCS | {40, 100, 640, 820, 860, 890, 1050, 1051, 1052, 1053},
-        "G2, G3, G4, G10, G64, G82, G86, G89 or M50 to M53",
+        ARCS | {40, 100, 640, 740, 820, 840, 860, 890, 1050, 1051, 1052, 1053},
+        "G2, G3, G4, G10, G64, G74, G82, G84, G86, G89 or M50 to M53",
     ),
     "$": (frozenset({1003, 1004, 1005, 1051, 970}), "M3, M4, M5, M51 or G97"),
     "d": (frozenset(), "cutter compensation, which is not supported"),

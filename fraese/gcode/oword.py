@@ -1,4 +1,4 @@
-"""O-words: branches and loops.
+"""O-words: branches, loops and calls, those by M98 and M99 included.
 
 Control goes from label to label, as in LinuxCNC: a branch that is not taken skips forward
 to the next O-word of the same name, whatever lies between. So a label names one construct;
@@ -18,12 +18,12 @@ from fraese.errors import ProgramError
 from fraese.gcode.expressions import Reader, whole
 from fraese.gcode.parameters import ARGUMENTS, Parameters, Scope
 from fraese.gcode.source import Source
-from fraese.gcode.subroutines import Library
+from fraese.gcode.subroutines import PROGRAM_NUMBER, Library, Sub
 from fraese.gcode.words import plain
 
 MAX_CALLS: Final = 9
-# What an O-word alone on its line is: the name of a program, as other controls want it.
-PROGRAM_NUMBER: Final = ""
+# A line that calls a numbered subprogram or ends it.
+SUBPROGRAM: Final = re.compile(r"m9[89](?![0-9.])")
 # Longer ones first where one starts like another.
 _KEYWORD = re.compile(
     r"sub|endsub|call|return|if|elseif|else|endif|endwhile|while|do|endrepeat|repeat"
@@ -49,14 +49,26 @@ class Loop:
 
 
 class Frame:
-    """A running program or subroutine; the program itself has no name."""
+    """A running program or subroutine; the program itself has no name.
 
-    __slots__ = ("labels", "loops", "name", "scope", "source")
+    ``sub`` and ``left`` are those of a subprogram that M98 called: what it repeats, how often.
+    """
 
-    def __init__(self, source: Source, name: str = "", scope: Scope | None = None) -> None:
+    __slots__ = ("labels", "left", "loops", "name", "scope", "source", "sub")
+
+    def __init__(
+        self,
+        source: Source,
+        name: str = "",
+        scope: Scope | None = None,
+        sub: Sub | None = None,
+        left: int = 0,
+    ) -> None:
         self.source = source
         self.name = name
         self.scope = scope
+        self.sub = sub
+        self.left = left
         self.loops: dict[str, Loop] = {}
         self.labels: dict[str, int] = {}
 
@@ -73,6 +85,8 @@ class Flow:
         self.idle_lines = 0
         self.value = 0.0
         self.value_returned = 0.0
+        # whether M99 has ended the program itself
+        self.over = False
         self._callers: list[Frame] = []
         self._parameters = parameters
         self._library = Library(source, folders, self._label)
@@ -93,6 +107,8 @@ class Flow:
         frame = self.frame
         if frame.loops or frame.name:
             self._count()
+            if text is None and frame.sub is not None:
+                raise ProgramError(f"subprogram O{frame.name} ends without M99")
             if text is None and frame.name:
                 raise ProgramError(f"subroutine o<{frame.name}> ends without endsub")
         return text
@@ -105,11 +121,13 @@ class Flow:
             )
 
     def read(self, text: str) -> OWord:
-        """The O-word on a plain line that starts with O.
+        """The O-word on a plain line that starts with O, or the M98 or M99 that it starts with.
 
         Raises:
             ProgramError: it is none.
         """
+        if text[0] == "m":
+            return OWord("", text[:3], text[3:].replace("(", ""))
         reader = Reader(text, self._parameters, 1)
         if reader.peek() == "<":
             name = reader.name()
@@ -289,24 +307,72 @@ class Flow:
         arguments = self._expressions(word)
         if len(arguments) > ARGUMENTS:
             raise ProgramError(f"a call takes at most {ARGUMENTS} arguments")
-        if self.call_level >= MAX_CALLS:
-            raise ProgramError(f"subroutines call each other more than {MAX_CALLS} deep")
+        self._go_deeper()
         sub = self._library.find(word.name)
         scope = self._parameters.enter(arguments)
         self._callers.append(self.frame)
         self.source = Source(sub.lines, sub.file, sub.first_line)
         self.frame = Frame(self.source, word.name, scope)
 
+    def _go_deeper(self) -> None:
+        if self.call_level >= MAX_CALLS:
+            raise ProgramError(f"subroutines call each other more than {MAX_CALLS} deep")
+
     def _return(self, word: OWord) -> None:
         frame = self.frame
+        if frame.sub is not None:
+            raise ProgramError(f"subprogram O{frame.name} was called by M98 and returns by M99")
         if frame.scope is None:
             raise ProgramError(f"o<{word.name}> {word.keyword} stands outside any subroutine")
         values = self._expressions(word)
         self.value = values[0] if values else 0.0
         self.value_returned = float(bool(values))
-        self._parameters.leave(frame.scope)
+        self._back_from(frame.scope)
+
+    def _back_from(self, scope: Scope) -> None:
+        self._parameters.leave(scope)
         self.frame = self._callers.pop()
         self.source = self.frame.source
+
+    # Subprograms as other controls have them: M98 P100 L2 calls O100 ... M99
+
+    def _call_numbered(self, word: OWord) -> None:
+        reader = Reader(word.rest, self._parameters)
+        values: dict[str, float] = {}
+        while letter := reader.peek():
+            if letter not in "pl" or letter in values:
+                raise ProgramError("M98 takes P, the number, and L, how often, once each; no more")
+            reader.at += 1
+            values[letter] = reader.value()
+        if "p" not in values:
+            raise ProgramError("M98 needs a P word: the number of the subprogram")
+        name = str(whole(values["p"], "the P word of M98"))
+        count = whole(values.get("l", 1.0), "the L word of M98")
+        if count < 0:
+            raise ProgramError("the L word of M98 must not be negative")
+        self._go_deeper()
+        sub = self._library.find_numbered(name)
+        if count:
+            self._callers.append(self.frame)
+            self._start(name, sub, count)
+
+    def _start(self, name: str, sub: Sub, count: int) -> None:
+        self.source = Source(sub.lines, sub.file, sub.first_line)
+        self.frame = Frame(self.source, name, self._parameters.enter_names(), sub, count)
+
+    def _end_numbered(self, word: OWord) -> None:
+        frame = self.frame
+        if word.rest:
+            raise ProgramError("M99 has to stand alone on its line")
+        if frame.sub is None or frame.scope is None:
+            if frame.name:
+                raise ProgramError(f"o<{frame.name}> sub returns by endsub, not by M99")
+            self.over = True
+            return
+        self._back_from(frame.scope)
+        if frame.left > 1:
+            self._callers.append(self.frame)
+            self._start(frame.name, frame.sub, frame.left - 1)
 
 
 _HANDLERS: Final[dict[str, Callable[[Flow, OWord], None]]] = {
@@ -326,4 +392,6 @@ _HANDLERS: Final[dict[str, Callable[[Flow, OWord], None]]] = {
     "endsub": Flow._return,
     "return": Flow._return,
     "call": Flow._call,
+    "m98": Flow._call_numbered,
+    "m99": Flow._end_numbered,
 }

@@ -93,8 +93,14 @@ class Parameters:
         self._locals = {}
         return scope
 
+    def enter_names(self) -> "Scope":
+        """Start a subprogram: it has its own names, but its caller's #1 to #30."""
+        scope = Scope([], self._locals)
+        self._locals = {}
+        return scope
+
     def leave(self, scope: "Scope") -> None:
-        """Back to what ``enter`` returned."""
+        """Back to what ``enter`` or ``enter_names`` returned."""
         for index, value in enumerate(scope.arguments, start=1):
             self.numbered[index] = value
         self._locals = scope.names

@@ -9,6 +9,7 @@ from typing import Final
 from fraese.errors import ProgramError
 from fraese.gcode.source import Source
 from fraese.gcode.text import read_lines
+from fraese.gcode.words import plain
 
 # A subroutine's body is held in memory; this is far beyond any that a person wrote.
 MAX_BODY: Final = 200_000
@@ -26,6 +27,12 @@ class Sub:
 
 # Name and keyword of the O-word on a line, None where there is none.
 Label = Callable[[str], tuple[str, str] | None]
+# The keyword of an O-word that stands alone on its line, as the name of a program does.
+PROGRAM_NUMBER: Final = ""
+
+
+# Reads a body whose head was passed just now.
+Body = Callable[[str, Source], Sub]
 
 
 class Library:
@@ -36,6 +43,7 @@ class Library:
         self._label = label
         self._folders = folders
         self._subs: dict[str, Sub] = {}
+        self._numbered: dict[str, Sub] = {}
 
     def define(self, name: str, source: Source) -> None:
         """Take in the subroutine whose ``sub`` line was read from the source just now.
@@ -58,8 +66,25 @@ class Library:
             ProgramError: there is none.
         """
         if name not in self._subs and not self._load(name):
-            self._look_ahead(name)
+            sub = self._look_ahead(name, "sub", self._body)
+            if sub is None:
+                where = "the program" + (" or the subroutine folders" if self._folders else "")
+                raise ProgramError(f"o<{name}> call: there is no such subroutine in {where}")
+            self._subs[name] = sub
         return self._subs[name]
+
+    def find_numbered(self, name: str) -> Sub:
+        """The subprogram behind this number, for M98.
+
+        Raises:
+            ProgramError: the program goes on without it.
+        """
+        if name not in self._numbered:
+            sub = self._look_ahead(name, PROGRAM_NUMBER, self._numbered_body)
+            if sub is None:
+                raise ProgramError(f"M98 P{name}: no O{name} follows in the program")
+            self._numbered[name] = sub
+        return self._numbered[name]
 
     def _load(self, name: str) -> bool:
         if _FILE_NAME.fullmatch(name) is None:
@@ -75,28 +100,22 @@ class Library:
 
     def _take_all(self, path: Path) -> None:
         source = Source(read_lines(path), path.name)
-        for found in self._heads(source):
-            self._subs.setdefault(found, self._body(found, source))
-
-    def _look_ahead(self, name: str) -> None:
-        program = self._program
-        place = program.hold()
-        try:
-            for found in self._heads(program):
-                if found == name:
-                    self._subs[name] = self._body(name, program)
-                    return
-        finally:
-            program.back(place)
-            program.release()
-        where = "in the program" + (" or the subroutine folders" if self._folders else "")
-        raise ProgramError(f"o<{name}> call: there is no such subroutine {where}")
-
-    def _heads(self, source: Source) -> Iterator[str]:
         for text in _lines(source):
             label = self._label(text)
             if label is not None and label[1] == "sub":
-                yield label[0]
+                self._subs.setdefault(label[0], self._body(label[0], source))
+
+    def _look_ahead(self, name: str, keyword: str, body: Body) -> Sub | None:
+        program = self._program
+        place = program.hold()
+        try:
+            for text in _lines(program):
+                if self._label(text) == (name, keyword):
+                    return body(name, program)
+        finally:
+            program.back(place)
+            program.release()
+        return None
 
     def _body(self, name: str, source: Source) -> Sub:
         first = source.line + 1
@@ -111,7 +130,28 @@ class Library:
             f"o<{name}> sub has no endsub before the end of file", first - 1, source.file
         )
 
+    def _numbered_body(self, name: str, source: Source) -> Sub:
+        """All lines from here to an M99 that another number follows; M99 may come before."""
+        first = source.line + 1
+        lines: list[str] = []
+        over = False
+        for text in _lines(source):
+            label = self._label(text)
+            if over and label is not None and label[1] == PROGRAM_NUMBER:
+                break
+            code = "" if text.lstrip()[:1] in ("(", ";") else plain(text)
+            over = code.startswith("m99") if code.strip("(") else over
+            lines.append(text)
+            if len(lines) > MAX_BODY:
+                raise ProgramError(f"subprogram O{name} is longer than {MAX_BODY} lines")
+        return Sub(source.file, first, tuple(lines))
+
 
 def _lines(source: Source) -> Iterator[str]:
+    """The lines that follow, as far as a closing percent sign."""
+    begun = source.line > 0
     while (text := source.next()) is not None:
+        if begun and text.strip() == "%":
+            return
+        begun = begun or bool(text.strip())
         yield text

@@ -80,6 +80,20 @@ def test_a_program_ends_once(text: str) -> None:
     assert [type(move) for move in moves(text)] == [Rapid, End]
 
 
+def test_a_tap_goes_along_the_axis_of_its_plane() -> None:
+    assert [
+        move.to
+        for move in moves("g18 m3 s9 f9 g0 y5 | g84 x7 y-1 z8 r1")
+        if isinstance(move, Rapid | Feed)
+    ] == [(0, 5, 0), (7, 5, 8), (7, 1, 8), (7, -1, 8), (7, 1, 8)]
+
+
+def test_a_tap_lets_no_override_slip_in() -> None:
+    tapping = moves("m3 s9 f9 g0 z1 | g84 x1 z-1 r1")
+    assert [move.enabled for move in tapping if isinstance(move, Overrides)] == [False, True]
+    assert [move.direction for move in tapping if isinstance(move, Spindle)] == [1, -1, 1, 0]
+
+
 def test_no_line_is_read_before_it_is_needed() -> None:
     read = 0
 
