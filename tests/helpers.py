@@ -134,6 +134,6 @@ def record(plant: Plant) -> Recorder:
     recorder = Recorder(plant.port, plant.clock)
     driver: Any = plant.controller._driver
     wires = driver._run.wires
-    wires._read_status = recorder.read_status
+    wires._port = recorder
     wires.access = (recorder.write_data, wires._sample, recorder.write_control)
     return recorder

@@ -39,7 +39,6 @@ class Wires:
         safe_outputs: int = 0,
     ) -> None:
         self._port = port
-        self._read_status = port.read_status
         self._card = card
         self._inputs = inputs
         self._reactions = reactions
@@ -64,7 +63,7 @@ class Wires:
 
     def _sample(self, motor: int) -> None:
         """Read the status register after ``motor`` has made its step."""
-        status = self._read_status()
+        status = self._port.read_status()
         if status != self._inputs.quiet_status:
             self._reactions.examine(status, motor)
 
