@@ -12,7 +12,8 @@ from typing import Final, Literal
 import platformdirs
 
 from fraese.config import AXIS_NAMES, Config
-from fraese.controller import INPUT_PINS, Controller
+from fraese.controller import Controller
+from fraese.endswitches import contact_bits
 from fraese.errors import ConfigError
 from fraese.journal import Journal
 from fraese.log import LogFile
@@ -149,8 +150,7 @@ def _simulation(config: Config, machine: Machine, clock: Clock) -> SimulatedMill
             round(axis.to_steps(simulation.backlash_mm) * scale) for axis in machine.axes
         ],
     )
-    mask = INPUT_PINS[config.switches.pin][0]
-    wiring = Wiring(mask, mask if config.switches.closed_reads else 0)
+    wiring = Wiring(*contact_bits(config.switches))
     return SimulatedMill(mill, ELECTRONICS[config.card.kind](mill, clock, config), clock, wiring)
 
 
@@ -193,7 +193,7 @@ class Plant:
         """Press an end switch of a simulated mill by hand, or let it go, by its name (xmin)."""
         if not isinstance(self.port, SimulatedMill):
             return
-        end = self.controller.motor_end(end_name)
+        end = self.controller.switches.motor_end(end_name)
         (self.port.press if pressed else self.port.let_go)(end)
 
     def save(self, *, moving: bool = False) -> None:
@@ -268,14 +268,11 @@ def assemble(
         card.set_phases(kept.phases)
         if isinstance(port, SimulatedMill) and kept.simulation:
             port.set_states([RotorState(*values) for values in kept.simulation])
-    mask = INPUT_PINS[config.switches.pin][0]
     driver = MotorCore(
         port,
         card,
         time,
-        switch=SwitchInput(
-            mask, mask if config.switches.closed_reads else 0, config.switches.readings
-        ),
+        switch=SwitchInput(*contact_bits(config.switches), config.switches.readings),
         settle_s=config.standstill.settle_ms / 1000,
         safe_outputs=config.outputs.mask("laser"),
     )

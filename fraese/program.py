@@ -92,14 +92,16 @@ class Program:
                 yield STANDSTILL
                 ledger.close()
             finally:
-                controller.offsets.replace(ledger.in_force())
+                controller.whereabouts.offsets.replace(ledger.in_force())
 
         controller.start(
             self.name,
             job(),
             lines=facts.lines if facts else 0,
             expected_s=facts.duration_s if facts else 0.0,
-            detour=Lift(controller, retract_mm) if (retract_mm := context.retract_mm()) else None,
+            detour=Lift(controller.whereabouts, retract_mm)
+            if (retract_mm := context.retract_mm())
+            else None,
         )
 
     def drive_frame(self, controller: Controller) -> None:
@@ -158,7 +160,7 @@ class _Ledger:
         self._source = source
         self._planner = translation.planner
         # Blocks before a change, and the parameters from there on.
-        self._entries = deque([(0, dict(controller.offsets.parameters))])
+        self._entries = deque([(0, dict(controller.whereabouts.offsets.parameters))])
 
     def watch(self, moves: Moves) -> Moves:
         """Pass everything on, both ways; note changes."""

@@ -9,18 +9,16 @@ Rule 4: a probe that shares the end switches' input still touches when its move 
 """
 
 from collections.abc import Callable, Generator, Iterable
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from fraese.blocks import Block, WatchAction
 from fraese.context import ProgramContext
+from fraese.controller import Controller
 from fraese.errors import ProbeError
 from fraese.gcode import canon
 from fraese.jobs import STANDSTILL, Ask, Job, Standstill
 from fraese.motor.seams import Ended, Report
 from fraese.planner.planner import Planner
-
-if TYPE_CHECKING:
-    from fraese.controller import Controller
 
 Moves = Generator[canon.Move, canon.Facts | None, None]
 Part = Generator[Block | Standstill | Ask, Report, canon.Facts | None]
@@ -36,7 +34,7 @@ class Translation:
         controller: told, asked and watched; None for a check.
     """
 
-    def __init__(self, context: ProgramContext, controller: "Controller | None") -> None:
+    def __init__(self, context: ProgramContext, controller: Controller | None) -> None:
         self._context = context
         self._controller = controller
         self._override = 1.0
@@ -179,25 +177,27 @@ class Translation:
             return None
         yield from _each(self.planner.drain())
         report = yield STANDSTILL
-        from_mm = self._point(controller.position_steps())
-        if controller.probe_closed() == move.until_closed:
+        from_mm = self._point(controller.whereabouts.position_steps)
+        if controller.switches.probe_closed == move.until_closed:
             raise ProbeError(
                 f"{self._where(move)}: the probe {'touches' if move.until_closed else 'is free'}"
-                f" already; the machine stands at {controller.where()}."
+                f" already; the machine stands at {controller.whereabouts.in_words()}."
             )
-        watch = controller.probe_watch(closed=move.until_closed, action=WatchAction.STOP)
+        watch = controller.switches.probe_watch(closed=move.until_closed, action=WatchAction.STOP)
         yield from _each(self.planner.watched(move.to, move.feed_mm_min, watch, move.line))
         report = yield STANDSTILL
         touched = report.ended is Ended.WATCH
-        contact_mm = self._point(controller.latched_steps(report)) if touched else None
-        self.planner.reset(controller.position_steps(), controller.slack_steps)
+        contact_mm = self._point(controller.whereabouts.latched_steps(report)) if touched else None
+        self.planner.reset(
+            controller.whereabouts.position_steps, controller.whereabouts.slack_steps
+        )
         if move.must_touch and not touched:
             raise ProbeError(
                 f"{self._where(move)}: the probe never"
                 f" {'touched' if move.until_closed else 'came free'}; the machine stands at"
-                f" {controller.where()}."
+                f" {controller.whereabouts.in_words()}."
             )
-        at_mm = self._point(controller.position_steps())
+        at_mm = self._point(controller.whereabouts.position_steps)
         if report.switch_closed:
             self._probed_way = _way(from_mm, move.to)
         return canon.Facts(position_mm=at_mm, touched=touched, contact_mm=contact_mm)
@@ -207,9 +207,9 @@ class Translation:
         controller = self._controller
         assert controller is not None
         feed_mm_min = move.feed_mm_min if isinstance(move, canon.Feed) else None
-        way = _way(self._point(controller.position_steps()), move.to)
+        way = _way(self._point(controller.whereabouts.position_steps), move.to)
         further_in = sum(a * b for a, b in zip(way, self._probed_way, strict=True)) > 0
-        watch = controller.switch_watch(closed=False, action=WatchAction.IGNORE)
+        watch = controller.switches.watch(closed=False, action=WatchAction.IGNORE)
         if further_in:
             yield from _each(self.planner.line(move.to, feed_mm_min, move.line))
             yield from _each(self.planner.drain())

@@ -213,7 +213,7 @@ def test_pictures_fit(size: tuple[int, int], light: bool) -> None:
                 await b.press("t")
                 assert b.app.theme == "fraese-light"
             for axis, steps in (("x", 40_001), ("y", 20_000), ("z", -6_667)):
-                b.plant.controller.set_reference(axis, steps)
+                b.plant.controller.whereabouts.set_reference(axis, steps)
             await b.jog("right")
             seen = []
             for _ in PICTURES:
@@ -317,7 +317,7 @@ def test_a_signal_brakes_switches_off_and_ends_the_app(tmp_path: Path) -> None:
         "seen = plant.port.look()\n"
         "with open('end.txt', 'w') as file:\n"
         "    print(app.return_code, seen.currents[0].a_percent, seen.lost_steps[0],\n"
-        "          plant.controller.position_steps()[0], file=file)\n"
+        "          plant.controller.whereabouts.position_steps[0], file=file)\n"
     )
     near, far = pty.openpty()
     fcntl.ioctl(far, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
