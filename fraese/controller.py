@@ -6,52 +6,29 @@ Rule 2: callbacks are called from that thread. They may read ``state()`` and set
         more.
 Rule 3: a refused command leaves everything as it was.
 Rule 4: what is known is known in one place: positions in ``whereabouts``, contacts in ``switches``,
-        the queue in ``Ahead``. Here is only the status.
-
-The run loop is the original's:
-
-    full display
-    while status is RUN:   poll the driver, feed its queue  ->  status
-                           break-key callback
-                           show-position callback
-    full display, motors idle
+        the queue in ``Ahead``, the status in ``RunLoop``. Here are only commands and facts.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
-from typing import Final
+from collections.abc import Iterable, Mapping, Sequence
 
 from fraese import limits, straight
 from fraese.ahead import Ahead
-from fraese.aside import Detour
 from fraese.calibration import Homing
 from fraese.config import Config
 from fraese.context import ProgramContext
 from fraese.endswitches import EndSwitches, pin_levels
-from fraese.errors import FraeseError, LimitError, StateError
-from fraese.jobs import Job
+from fraese.errors import FraeseError, LimitError
 from fraese.journal import Kept
 from fraese.log import LogFile, logged
-from fraese.log import write as log_line
 from fraese.machine import Machine, Steps
-from fraese.motor.seams import Clock, IdleLevel, StepDriver
-from fraese.runner import Runner
-from fraese.state import JobProgress, MachineState, Status
+from fraese.motor.seams import Clock, StepDriver
+from fraese.runloop import RunLoop
+from fraese.state import MachineState, Status
 from fraese.whereabouts import Whereabouts
-
-_NS_PER_S: Final = 1_000_000_000
-
-
-def _nothing() -> None:
-    """No callback registered."""
-
-
-def _unheard(message: str) -> None:
-    """Nobody to tell."""
 
 
 class Controller:
-    """Status, run loop and commands.
+    """Commands and facts of one machine.
 
     Args:
         machine: axes and conversions.
@@ -64,7 +41,6 @@ class Controller:
     Attributes:
         whereabouts: positions, references, work offsets.
         switches: the end switches and the probe.
-        error: what the last job failed with, if it did.
         override: feed override, a factor.
     """
 
@@ -81,202 +57,50 @@ class Controller:
         self.config = config
         self.log = log
         self._driver = driver
-        self._clock = clock
-        self._display: Callable[[], None] = _nothing
-        self._show_pos: Callable[[], None] = _nothing
-        self._break_key: Callable[[], None] = _nothing
-        self._tell: Callable[[str], None] = _unheard
-        self._status = Status.OK
-        self._message = ""
-        self._progress: JobProgress | None = None
-        self._job_from_ns = 0
-        self._idle_at_ns: int | None = None
-        self.error: FraeseError | None = None
         self.override = 1.0
         self.whereabouts = Whereabouts(machine)
         self._ahead = Ahead(driver, self.whereabouts)
         self.switches = EndSwitches(config, self.whereabouts, self._ahead, driver)
-        braking_s = max(axis.max_rate_hz / axis.acceleration_hz_s for axis in machine.axes)
-        lead_s = max(config.run.lead_s, braking_s + 2 * slice_s)
-        self._slice_ns = round(slice_s * _NS_PER_S)
-        self._runner = Runner(driver, self._ahead, lead_s, slice_s)
+        self._loop = RunLoop(
+            config, driver, clock, self._ahead, self.whereabouts, self.switches, slice_s
+        )
         self._ahead.look_around(config.switches.readings)
-
-    # --- callbacks -----------------------------------------------------------------------------
-
-    def set_display(self, procedure: Callable[[], None]) -> None:
-        """Register the full display; called in the run loop's thread."""
-        self._display = procedure
-
-    def set_show_pos(self, procedure: Callable[[], None]) -> None:
-        """Register the position display; called in the run loop's thread after every slice."""
-        self._show_pos = procedure
-
-    def set_break_key(self, procedure: Callable[[], None]) -> None:
-        """Register the query for a break key; called in the run loop's thread after every slice.
-
-        It calls ``cancel`` or ``stop`` when the operator wants that.
-        """
-        self._break_key = procedure
-
-    def set_tell(self, procedure: Callable[[str], None]) -> None:
-        """Register who is told every message; called in the run loop's thread."""
-        self._tell = procedure
-
-    # --- from any thread -----------------------------------------------------------------------
-
-    def cancel(self) -> None:
-        """Brake with ramp, then drop the rest."""
-        self._runner.cancel()
-
-    def stop(self) -> None:
-        """Stop without ramp; above the start/stop rate the position is uncertain afterwards."""
-        self._runner.stop()
-
-    def hold(self) -> None:
-        """Feed hold: brake with ramp and wait."""
-        self._runner.hold()
-
-    def resume(self) -> None:
-        """Go on after a hold."""
-        self._runner.resume()
-
-    def answer(self) -> None:
-        """The operator has done what was asked."""
-        self._runner.answer()
-
-    # --- the run loop --------------------------------------------------------------------------
+        # The run loop's own methods, under the controller's name.
+        self.set_display = self._loop.set_display
+        self.set_show_pos = self._loop.set_show_pos
+        self.set_break_key = self._loop.set_break_key
+        self.set_tell = self._loop.set_tell
+        self.start = self._loop.start
+        self.run = self._loop.run
+        self.idle = self._loop.idle
+        self.acknowledge = self._loop.acknowledge
+        self.say = self._loop.say
+        # From any thread: straight to the flags.
+        self.cancel = self._loop.runner.cancel
+        self.stop = self._loop.runner.stop
+        self.hold = self._loop.runner.hold
+        self.resume = self._loop.runner.resume
+        self.answer = self._loop.runner.answer
 
     @property
     def status(self) -> Status:
         """OK, RUN, CANCEL or ERROR."""
-        return self._status
+        return self._loop.status
+
+    @property
+    def error(self) -> FraeseError | None:
+        """What the last job failed with, if it did."""
+        return self._loop.error
 
     @property
     def question(self) -> str:
         """What the operator is asked now; empty if nothing."""
-        return self._runner.question
-
-    def run(self) -> Status:
-        """Work off what was commanded; returns the status in which it ended."""
-        if self._status is not Status.RUN:
-            return self._status
-        log_line("controller", "run", "entry", self._progress.name if self._progress else "")
-        self._display()
-        try:
-            while self._status is Status.RUN:
-                self._status = self._activate()
-                self._break_key()
-                self._show_pos()
-        except BaseException as error:
-            self._give_up(error)
-            raise
-        self._conclude()
-        self._display()
-        self._halt_motors()
-        log_line("controller", "run", "exit", f"{self._status.value} {self.whereabouts.in_words()}")
-        return self._status
-
-    def idle(self, elapsed_s: float = 0.0) -> None:
-        """Between jobs: look at the inputs, and switch the current off when its time has come.
-
-        Args:
-            elapsed_s: how long the caller has waited since the last call; a clock that only moves
-                when somebody waits is moved on by it.
-        """
-        self._clock.wait_until(self._clock.now_ns() + round(elapsed_s * _NS_PER_S))
-        self._ahead.poll()
-        if self._idle_at_ns is not None and self._clock.now_ns() >= self._idle_at_ns:
-            self._idle_at_ns = None
-            self._driver.idle(IdleLevel(self.config.standstill.current))
-            self._ahead.poll()
+        return self._loop.runner.question
 
     def close(self) -> None:
         """Motors off, port given back, log off (FraesEnd)."""
         self._driver.close()
         self.switch_log(False)
-
-    def start(
-        self,
-        name: str,
-        job: Job,
-        lines: int = 0,
-        expected_s: float = 0.0,
-        detour: Detour | None = None,
-    ) -> None:
-        """Take up a job; ``run`` works it off.
-
-        Args:
-            name: for people.
-            job: what to do.
-            lines: how many lines it has, for the progress.
-            expected_s: planned duration, likewise.
-            detour: where to go while it is held; None: stay.
-
-        Raises:
-            StateError: if another one runs, or an error has not been acknowledged.
-        """
-        self._require_ready()
-        self._message = ""
-        self.error = None
-        self._idle_at_ns = None
-        self._progress = JobProgress(name, lines=lines, expected_s=expected_s)
-        self._job_from_ns = self._clock.now_ns()
-        self._runner.start(job, detour)
-        self._status = Status.RUN
-
-    def acknowledge(self) -> None:
-        """Take note of an error or cancel; back to OK."""
-        if self._status in (Status.ERROR, Status.CANCEL):
-            self._status = Status.OK
-
-    def _require_ready(self) -> None:
-        self._require_not_running()
-        if self._status is Status.ERROR:
-            raise StateError(f"Acknowledge the error first: {self._message}")
-        # Somebody may have moved a carriage, or pressed a switch, since the last look.
-        self._ahead.look_around(self.config.switches.readings)
-
-    def _require_not_running(self) -> None:
-        if self._status is Status.RUN:
-            raise StateError("The machine runs: cancel or wait for the end of the job first.")
-
-    def _activate(self) -> Status:
-        status = self._runner.activate()
-        self.whereabouts.lose_reference(self._ahead.report.torn)
-        if status is Status.RUN and self._runner.waits:
-            # Nothing passes the time for us: the driver has nothing to play.
-            self._clock.wait_until(self._clock.now_ns() + self._slice_ns)
-        return status
-
-    def _give_up(self, error: BaseException) -> None:
-        """Something was raised that no job raises: the job is over, the motors stop."""
-        self._runner.abandon()
-        self._status = Status.ERROR
-        self._message = f"Stopped by an error: {error!r}."
-
-    def _conclude(self) -> None:
-        """Say how the job ended."""
-        if self._status is Status.CANCEL:
-            self._message = f"Cancelled at {self.whereabouts.in_words()}."
-            if self._ahead.report.torn:
-                self._message += " Stopped without ramp: reference the axes before relying on it."
-        elif self._status is Status.ERROR:
-            self.error = self._runner.failure or self.switches.alarm()
-            self._message = str(self.error)
-        # Cutting ends with the job; what was cancelled or failed also leaves no spindle running.
-        ended = ("laser",) if self._status is Status.OK else ("laser", "spindle", "coolant")
-        mask = self.config.outputs.mask(*ended)
-        if mask:
-            self._driver.set_outputs(mask, 0)
-        self._progress = self._job_progress()
-
-    def _halt_motors(self) -> None:
-        """HaltMotoren: current off or down, now or later."""
-        delay_s = self.config.standstill.delay_s
-        self._idle_at_ns = self._clock.now_ns() + round(delay_s * _NS_PER_S)
-        if not delay_s:
-            self.idle()
 
     # --- commands ------------------------------------------------------------------------------
 
@@ -307,7 +131,7 @@ class Controller:
             LimitError: if it would leave the travel, or is nothing.
             StateError: if the machine is not ready, or stands on the switch it would move into.
         """
-        self._require_ready()
+        self._loop.require_ready()
         motor = self.machine.index(axis)
         if not distance_steps:
             step_mm = self.machine.axes[motor].step_mm
@@ -395,7 +219,7 @@ class Controller:
         Raises:
             StateError: while the machine runs.
         """
-        self._require_not_running()
+        self._loop.require_not_running()
         for name in axes:
             self.whereabouts.set_zero(name, value_mm)
 
@@ -406,7 +230,7 @@ class Controller:
         Raises:
             StateError: while the machine runs.
         """
-        self._require_not_running()
+        self._loop.require_not_running()
         self.switches.ignore(ignore)
 
     def switch_log(self, on: bool) -> None:
@@ -426,11 +250,6 @@ class Controller:
         """
         limits.require_override(factor)
         self.override = factor
-
-    def say(self, message: str) -> None:
-        """Show a message."""
-        self._message = message
-        self._tell(message)
 
     def drive_points(
         self,
@@ -457,7 +276,7 @@ class Controller:
             LimitError: naming axis, target and travel.
             StateError: if the machine is not ready, or stands on a switch.
         """
-        self._require_ready()
+        self._loop.require_ready()
         self.switches.require_open()
         limits.require_reachable(self.whereabouts, targets)
 
@@ -503,25 +322,15 @@ class Controller:
         )
         self._ahead.poll()
 
-    def _job_progress(self) -> JobProgress | None:
-        if self._progress is None:
-            return None
-        return replace(
-            self._progress,
-            line=self._ahead.report.tag,
-            blocks=self._ahead.blocks,
-            elapsed_s=(self._clock.now_ns() - self._job_from_ns) / _NS_PER_S,
-        )
-
     def state(self) -> MachineState:
         """Everything that can be shown, as it is now. From any thread."""
         report, where, axes = self._ahead.report, self.whereabouts, self.machine.axes
-        runs = self._status is Status.RUN
+        loop = self._loop
         position_steps, offset_mm = where.position_steps, where.offset_mm
         position_mm = self.machine.to_mm(position_steps)
         return MachineState(
-            status=self._status,
-            message=self._message,
+            status=loop.status,
+            message=loop.message,
             axes=tuple(axis.name for axis in axes),
             position_steps=position_steps,
             position_mm=position_mm,
@@ -532,16 +341,16 @@ class Controller:
             high_mm=tuple(axis.high_mm for axis in axes),
             speed_mm_min=self._ahead.mm_s() * 60,
             running=report.running,
-            held=self._runner.held and runs,
+            held=loop.runner.held and loop.status is Status.RUN,
             energised=report.energised,
             switch_closed=report.switch_closed,
             ends=self.switches.names(),
             switch_ignored=self.switches.ignored,
             inputs=pin_levels(report.inputs),
-            job=self._job_progress() if runs else self._progress,
+            job=loop.progress(),
             log_on=self.log is not None and self.log.is_on,
             late_ticks=report.late_ticks,
             dry_queues=report.dry_queues,
-            question=self._runner.question,
+            question=loop.runner.question,
             override=self.override,
         )
