@@ -162,7 +162,7 @@ def test_trouble_between_commands_is_told_once_and_the_thread_lives_on(rig: Rig)
     def gone(elapsed_s: float) -> None:
         raise PortError("The port went away.")
 
-    rig.controller.idle = gone  # type: ignore[method-assign, assignment]
+    rig.controller.idle = gone  # type: ignore[assignment]
     rig.wait(lambda: bool(rig.refused))
     time.sleep(0.12)
     assert rig.refused == ["The port went away."]
