@@ -167,7 +167,7 @@ class Translation:
         if self._controller is None:
             return None
         yield Ask(question)
-        return self._facts()
+        return None
 
     def _probe(self, move: canon.Probe) -> Part:
         controller = self._controller
@@ -176,28 +176,27 @@ class Translation:
             yield from _each(self.planner.drain())
             return None
         yield from _each(self.planner.drain())
-        report = yield STANDSTILL
-        from_mm = self._point(controller.whereabouts.position_steps)
-        if controller.switches.probe_closed == move.until_closed:
+        yield STANDSTILL
+        where, switches = controller.whereabouts, controller.switches
+        from_mm = self._point(where.position_steps)
+        if switches.probe_closed == move.until_closed:
             raise ProbeError(
-                f"{self._where(move)}: the probe {'touches' if move.until_closed else 'is free'}"
-                f" already; the machine stands at {controller.whereabouts.in_words()}."
+                f"line {move.line}: the probe {'touches' if move.until_closed else 'is free'}"
+                f" already; the machine stands at {where.in_words()}."
             )
-        watch = controller.switches.probe_watch(closed=move.until_closed, action=WatchAction.STOP)
+        watch = switches.probe_watch(closed=move.until_closed, action=WatchAction.STOP)
         yield from _each(self.planner.watched(move.to, move.feed_mm_min, watch, move.line))
         report = yield STANDSTILL
         touched = report.ended is Ended.WATCH
-        contact_mm = self._point(controller.whereabouts.latched_steps(report)) if touched else None
-        self.planner.reset(
-            controller.whereabouts.position_steps, controller.whereabouts.slack_steps
-        )
+        contact_mm = self._point(where.latched_steps(report)) if touched else None
+        self.planner.reset(where.position_steps, where.slack_steps)
         if move.must_touch and not touched:
             raise ProbeError(
-                f"{self._where(move)}: the probe never"
+                f"line {move.line}: the probe never"
                 f" {'touched' if move.until_closed else 'came free'}; the machine stands at"
-                f" {controller.whereabouts.in_words()}."
+                f" {where.in_words()}."
             )
-        at_mm = self._point(controller.whereabouts.position_steps)
+        at_mm = self._point(where.position_steps)
         if report.switch_closed:
             self._probed_way = _way(from_mm, move.to)
         return canon.Facts(position_mm=at_mm, touched=touched, contact_mm=contact_mm)
@@ -218,13 +217,6 @@ class Translation:
         report = yield STANDSTILL
         if not report.switch_closed:
             self._probed_way = ()
-        return None
-
-    def _where(self, move: canon.Probe) -> str:
-        return f"line {move.line}"
-
-    def _facts(self) -> canon.Facts | None:
-        """What the operator may have changed at a barrier: nothing moves by hand here."""
         return None
 
     def _point(self, steps: tuple[int, ...]) -> canon.Point:
