@@ -1,34 +1,29 @@
 """Putting a machine together: the one place that knows every peer by name.
 
-A new card, port or clock is one class in its room and one row in a table here.
+A new port or clock is one class in its room and one row in a table here; cards have their table in
+``cardmaker.py``, the simulated mill its own in ``simulation.py``.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 from typing import Final, Literal
 
 import platformdirs
 
-from fraese.config import AXIS_NAMES, Config
-from fraese.controller import INPUT_PINS, Controller
-from fraese.errors import ConfigError
-from fraese.journal import Journal
+from fraese.cardmaker import CARDS
+from fraese.config import Config
+from fraese.controller import Controller
+from fraese.endswitches import contact_bits
+from fraese.journal import Journal, Kept
 from fraese.log import LogFile
 from fraese.machine import Machine
-from fraese.motor.cards.control import OutputPin
-from fraese.motor.cards.smc1500 import SmcCard
-from fraese.motor.cards.stepdir import STEPDIR_PROFILES, StepDirCard
 from fraese.motor.clock import MonotonicClock, PacedClock, VirtualClock
 from fraese.motor.core import MotorCore
-from fraese.motor.electronics import Electronics, SmcElectronics, StepDirElectronics
-from fraese.motor.mill import Mill
-from fraese.motor.phases import LEVEL_MAPS, PHASE_TABLES
-from fraese.motor.ports.sim import RotorState, SimulatedMill, Wiring
-from fraese.motor.rotor import TURN_STEPS, RotorLimits
-from fraese.motor.seams import Card, Clock, Port
+from fraese.motor.ports.sim import RotorState, SimulatedMill
+from fraese.motor.seams import Card, Clock, Port, StepDriver
 from fraese.motor.switches import SwitchInput
+from fraese.simulation import simulated_mill
 
 ClockName = Literal["virtual", "paced", "monotonic"]
 
@@ -42,117 +37,8 @@ CLOCKS: Final[Mapping[str, Callable[[], Clock]]] = {
 _SLICE_S: Final[Mapping[str, float]] = {"virtual": 0.1, "paced": 0.02, "monotonic": 0.02}
 
 
-def phase_table(name: str) -> bytes:
-    """A drive table by name, or from its bytes in hex.
-
-    Raises:
-        ConfigError: if it is neither.
-    """
-    if name in PHASE_TABLES:
-        return PHASE_TABLES[name]
-    try:
-        table = bytes.fromhex(name)
-    except ValueError:
-        table = b""
-    if not 2 <= len(table) <= 32 or any(byte > 0x3F for byte in table):
-        raise ConfigError(
-            f"card.table: {name!r} is neither one of {', '.join(PHASE_TABLES)} nor 2 to 32 bytes"
-            " in hex, each 00 to 3F."
-        )
-    return table
-
-
-def _pins(config: Config) -> list[OutputPin]:
-    """Configured outputs in the order of their bits."""
-    return [OutputPin(output.pin, output.active_high) for _, output in config.outputs.configured()]
-
-
-def _smc_card(config: Config) -> Card:
-    return SmcCard(
-        table=phase_table(config.card.table),
-        holding_percent=config.card.holding_percent,
-        levels=LEVEL_MAPS[config.card.levels],
-        outputs=_pins(config),
-        motors=len(AXIS_NAMES),
-    )
-
-
-def _stepdir_card(config: Config) -> Card:
-    profile = STEPDIR_PROFILES[config.card.profile]
-    for name in AXIS_NAMES:
-        rate_hz = getattr(config.axes, name).max_rate_hz
-        if rate_hz > profile.max_rate_hz:
-            raise ConfigError(
-                f"axes.{name}.max_rate_hz: {rate_hz:g} is above the {profile.max_rate_hz} steps/s"
-                f" of card.profile {config.card.profile}."
-            )
-    return StepDirCard(
-        profile=profile,
-        clock_idles_high=config.card.clock_idles_high,
-        forward_high=config.card.forward_high,
-        outputs=_pins(config),
-        enable=config.outputs.bit("enable"),
-        motors=len(AXIS_NAMES),
-    )
-
-
-CARDS: Final[Mapping[str, Callable[[Config], Card]]] = {
-    "smc1500": _smc_card,
-    "stepdir": _stepdir_card,
-}
-
-
-def _smc_electronics(mill: Mill, clock: Clock, config: Config) -> Electronics:
-    rest = phase_table(config.card.table)[0]
-    return SmcElectronics(mill, clock, LEVEL_MAPS[config.card.levels], rest)
-
-
-def _stepdir_electronics(mill: Mill, clock: Clock, config: Config) -> Electronics:
-    card = config.card
-    return StepDirElectronics(mill, clock, card.clock_idles_high, card.forward_high)
-
-
-ELECTRONICS: Final[Mapping[str, Callable[[Mill, Clock, Config], Electronics]]] = {
-    "smc1500": _smc_electronics,
-    "stepdir": _stepdir_electronics,
-}
-
-
-#: What the simulated mill counts in one step of the card: half-steps, pulses.
-_HALF_STEPS: Final[Mapping[str, Callable[[Config], Fraction]]] = {
-    "smc1500": lambda config: Fraction(TURN_STEPS, len(phase_table(config.card.table))),
-    "stepdir": lambda config: Fraction(1),
-}
-
-
-def _simulation(config: Config, machine: Machine, clock: Clock) -> SimulatedMill:
-    simulation = config.simulation
-    limits = RotorLimits(
-        max_rate_hz=simulation.max_rate_hz,
-        jump_hz=simulation.jump_hz,
-        acceleration_hz_s=simulation.acceleration_hz_s,
-        snaps_to_pole=simulation.snaps_to_pole,
-    )
-    scale = _HALF_STEPS[config.card.kind](config)
-    mill = Mill(
-        travel_steps=[round(axis.to_steps(axis.travel_mm) * scale) for axis in machine.axes],
-        limits=[limits] * len(machine.axes),
-        overrun_steps=max(
-            round(axis.to_steps(simulation.overrun_mm) * scale) for axis in machine.axes
-        ),
-        lag_s=simulation.lag_ms / 1000,
-        bounce_readings=simulation.bounce_readings,
-        backlash_steps=[
-            round(axis.to_steps(simulation.backlash_mm) * scale) for axis in machine.axes
-        ],
-    )
-    mask = INPUT_PINS[config.switches.pin][0]
-    wiring = Wiring(mask, mask if config.switches.closed_reads else 0)
-    return SimulatedMill(mill, ELECTRONICS[config.card.kind](mill, clock, config), clock, wiring)
-
-
 PORTS: Final[Mapping[str, Callable[[Config, Machine, Clock], Port]]] = {
-    "simulation": _simulation,
+    "simulation": simulated_mill,
 }
 
 
@@ -190,7 +76,7 @@ class Plant:
         """Press an end switch of a simulated mill by hand, or let it go, by its name (xmin)."""
         if not isinstance(self.port, SimulatedMill):
             return
-        end = self.controller.motor_end(end_name)
+        end = self.controller.switches.motor_end(end_name)
         (self.port.press if pressed else self.port.let_go)(end)
 
     def save(self, *, moving: bool = False) -> None:
@@ -262,20 +148,8 @@ def assemble(
         notes.append("The axes were configured otherwise before: the old position is forgotten.")
         kept = None
     if kept is not None:
-        card.set_phases(kept.phases)
-        if isinstance(port, SimulatedMill) and kept.simulation:
-            port.set_states([RotorState(*values) for values in kept.simulation])
-    mask = INPUT_PINS[config.switches.pin][0]
-    driver = MotorCore(
-        port,
-        card,
-        time,
-        switch=SwitchInput(
-            mask, mask if config.switches.closed_reads else 0, config.switches.readings
-        ),
-        settle_s=config.standstill.settle_ms / 1000,
-        safe_outputs=config.outputs.mask("laser"),
-    )
+        _restore(kept, card, port)
+    driver = _driver(config, port, card, time)
     log = LogFile(
         Path(config.log.file) if config.log.file else (state or state_folder()) / "fraese.log"
     )
@@ -286,3 +160,21 @@ def assemble(
         if kept.moving:
             notes.append("The program ended while the machine moved: reference it again.")
     return Plant(controller, time, port, journal, config, tuple(notes))
+
+
+def _restore(kept: Kept, card: Card, port: Port) -> None:
+    """Phases, and rotors where they are simulated, as another run left them."""
+    card.set_phases(kept.phases)
+    if isinstance(port, SimulatedMill) and kept.simulation:
+        port.set_states([RotorState(*values) for values in kept.simulation])
+
+
+def _driver(config: Config, port: Port, card: Card, clock: Clock) -> StepDriver:
+    return MotorCore(
+        port,
+        card,
+        clock,
+        switch=SwitchInput(*contact_bits(config.switches), config.switches.readings),
+        settle_s=config.standstill.settle_ms / 1000,
+        safe_outputs=config.outputs.mask("laser"),
+    )

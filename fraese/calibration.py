@@ -15,19 +15,18 @@ Rule 3: closed at the start it may be any switch, or two at once in a corner. Th
 Rule 4: an axis is unreferenced from the start of its run until its zero is set.
 """
 
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 from fraese.blocks import Block, WatchAction
 from fraese.config import HomingConfig
+from fraese.endswitches import EndSwitches
 from fraese.errors import HomingError
 from fraese.jobs import STANDSTILL, Ask, Job, Standstill
 from fraese.machine import Axis
 from fraese.motor.seams import End, Ended, Report
-
-if TYPE_CHECKING:
-    from fraese.controller import Controller
+from fraese.straight import axis_line
+from fraese.whereabouts import Whereabouts
 
 _Steps = Generator[Block | Standstill | Ask, Report, Report]
 
@@ -36,15 +35,26 @@ class Homing:
     """Reference run of one or several axes.
 
     Args:
-        controller: whose axes; its position and reference are set.
         config: ways and feeds.
+        whereabouts: of the axes; position and reference are set.
+        switches: what is looked for.
+        say: told what was found.
         measure: run to the other end too.
     """
 
-    def __init__(self, controller: "Controller", config: HomingConfig, measure: bool) -> None:
-        self._controller = controller
-        self._machine = controller.machine
+    def __init__(
+        self,
+        config: HomingConfig,
+        whereabouts: Whereabouts,
+        switches: EndSwitches,
+        say: Callable[[str], None],
+        measure: bool,
+    ) -> None:
         self._config = config
+        self._whereabouts = whereabouts
+        self._machine = whereabouts.machine
+        self._switches = switches
+        self._say = say
         self._measure = measure
 
     def job(self, axes: Sequence[str]) -> Job:
@@ -55,21 +65,21 @@ class Homing:
         """
         report = yield STANDSTILL
         if report.switch_closed:
-            yield from self._free(self._order(self._controller.ends(), axes))
+            yield from self._free(self._order(self._switches.ends(), axes))
         said = []
         for name in axes:
             said.append((yield from self._reference(name)))
-        self._controller.say("Referenced: " + ", ".join(said) + ".")
+        self._say("Referenced: " + ", ".join(said) + ".")
 
     # --- one axis ------------------------------------------------------------------------------
 
     def _reference(self, name: str) -> Generator[Block | Standstill | Ask, Report, str]:
         axis = self._machine.axes[self._machine.index(name)]
         sign = axis.home_sign
-        self._controller.lose_reference(name)
+        self._whereabouts.lose_reference([self._machine.index(name)])
         contact = yield from self._find(axis, sign)
         yield from self._pull_off(axis, sign, contact)
-        self._controller.set_reference(name, 0)
+        self._whereabouts.set_reference(name, 0)
         if not self._measure:
             return name.upper()
         other = yield from self._find(axis, -sign)
@@ -81,10 +91,9 @@ class Homing:
 
     def _back_to_zero(self, axis: Axis) -> _Steps:
         """The other end may lie outside the soft limits; home is where a reference run ends."""
-        index = self._machine.index(axis.name)
-        delta = [0] * len(self._machine.axes)
-        delta[index] = -self._controller.position_steps()[index]
-        yield from self._controller.line(tuple(delta), None)
+        motor = self._machine.index(axis.name)
+        distance = -self._whereabouts.position_steps[motor]
+        yield from axis_line(self._whereabouts, motor, distance, None, None)
         return (yield STANDSTILL)
 
     def _find(self, axis: Axis, sign: int) -> Generator[Block | Standstill | Ask, Report, int]:
@@ -97,7 +106,7 @@ class Homing:
             raise HomingError(
                 f"End switch {end} was not found within {search_mm:g} mm: look at the switch"
                 f" and at axes.{axis.name}.travel_mm; the machine stands at"
-                f" {self._controller.where()}."
+                f" {self._whereabouts.in_words()}."
             )
         yield from self._open(axis, sign)
         report = yield from self._go(
@@ -108,7 +117,7 @@ class Homing:
                 f"End switch {end} closed once, but not again within"
                 f" {2 * config.back_off_max_mm:g} mm: look for a loose switch or wire."
             )
-        return self._controller.latched_steps(report)[self._machine.index(axis.name)]
+        return self._whereabouts.latched_steps(report)[self._machine.index(axis.name)]
 
     def _open(self, axis: Axis, sign: int) -> _Steps:
         config = self._config
@@ -126,11 +135,10 @@ class Homing:
         """From the contact to the pull-off distance; the switch opens on the way."""
         index = self._machine.index(axis.name)
         target = contact - sign * axis.to_steps(self._config.pull_off_mm)
-        distance = target - self._controller.position_steps()[index]
-        watch = self._controller.switch_watch(closed=False, action=WatchAction.IGNORE)
-        delta = [0] * len(self._machine.axes)
-        delta[index] = distance
-        yield from self._controller.line(tuple(delta), self._config.approach_mm_min, watch)
+        distance = target - self._whereabouts.position_steps[index]
+        watch = self._switches.watch(closed=False, action=WatchAction.IGNORE)
+        feed_mm_min = self._config.approach_mm_min
+        yield from axis_line(self._whereabouts, index, distance, feed_mm_min, watch)
         report = yield STANDSTILL
         if report.switch_closed:
             raise HomingError(
@@ -151,7 +159,7 @@ class Homing:
                     continue
                 if (yield from self._try(ends, reach_mm)):
                     return
-        names = ", ".join(self._controller.end_name(end) for end in candidates)
+        names = ", ".join(self._switches.name(end) for end in candidates)
         raise HomingError(
             f"The end switch is closed and does not open within {reach_mm:g} mm of any of"
             f" {names}: {self._wire()}"
@@ -164,13 +172,13 @@ class Homing:
         made = []
         for end in ends:
             axis = self._machine.axes[end.motor]
-            before = self._controller.position_steps()[end.motor]
+            before = self._whereabouts.position_steps[end.motor]
             report = yield from self._go(
                 axis, -end.sign * reach_mm, self._config.slow_mm_min, closed=False
             )
             if report.ended is Ended.WATCH:
                 return True
-            made.append((axis, before - self._controller.position_steps()[end.motor]))
+            made.append((axis, before - self._whereabouts.position_steps[end.motor]))
         for axis, distance in reversed(made):
             yield from self._go(
                 axis, axis.to_mm(distance), self._config.approach_mm_min, closed=False
@@ -192,15 +200,13 @@ class Homing:
     def _go(self, axis: Axis, distance_mm: float, feed_mm_min: float, *, closed: bool) -> _Steps:
         """Move until the switch is closed (or open), at most so far; wait for standstill."""
         index = self._machine.index(axis.name)
-        delta = [0] * len(self._machine.axes)
-        delta[index] = axis.to_steps(distance_mm)
-        watch = self._controller.switch_watch(closed=closed, action=WatchAction.STOP)
-        yield from self._controller.line(tuple(delta), feed_mm_min, watch)
+        distance = axis.to_steps(distance_mm)
+        watch = self._switches.watch(closed=closed, action=WatchAction.STOP)
+        yield from axis_line(self._whereabouts, index, distance, feed_mm_min, watch)
         return (yield STANDSTILL)
 
     def _name(self, axis: Axis, sign: int) -> str:
-        return self._controller.end_name(End(self._machine.index(axis.name), sign))
+        return self._switches.name(End(self._machine.index(axis.name), sign))
 
     def _wire(self) -> str:
-        pin = self._controller.config.switches.pin
-        return f"look for a stuck switch, and at the wire to DB25 pin {pin}."
+        return f"look for a stuck switch, and at the wire to DB25 pin {self._switches.pin}."

@@ -17,6 +17,7 @@ from fraese.context import ProgramContext
 from fraese.errors import LimitError, ProgramError
 from fraese.gcode import canon
 from fraese.gcode.extents import arc_extent
+from fraese.limits import outside_travel
 from fraese.machine import Millimetres
 from fraese.motor.seams import Report
 from fraese.planner.lines import planned_s
@@ -151,19 +152,12 @@ class Survey:
         axis = self.context.machine.axes[index]
         if len(self.outside) >= _MOST_WARNINGS:
             return
-        name = axis.name.upper()
         if self.context.referenced[index]:
             low_steps, high_steps = self._limits_steps[index]
             inside = axis.low_mm <= value_mm <= axis.high_mm
             # What is a little outside may still round onto the limit.
             if not inside and not low_steps <= axis.to_steps(value_mm) <= high_steps:
-                self.outside.append(
-                    Complaint(
-                        line,
-                        f"{name} {value_mm:.3f} mm is outside the travel, {axis.low_mm:g} to"
-                        f" {axis.high_mm:g} mm in machine coordinates.",
-                    )
-                )
+                self.outside.append(Complaint(line, f"{outside_travel(axis, value_mm)}."))
             return
         at_mm = self._start()[index]
         span_mm = max(self.high[index], at_mm) - min(self.low[index], at_mm)
@@ -171,8 +165,8 @@ class Survey:
             self.outside.append(
                 Complaint(
                     line,
-                    f"{name} would move over {span_mm:.3f} mm, more than its whole travel of"
-                    f" {axis.travel_mm:g} mm.",
+                    f"{axis.name.upper()} would move over {span_mm:.3f} mm, more than its whole"
+                    f" travel of {axis.travel_mm:g} mm.",
                 )
             )
 

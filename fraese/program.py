@@ -1,7 +1,6 @@
 """Program files: look through, run, run from a line, drive round the frame."""
 
-from collections import deque
-from collections.abc import Generator, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 
@@ -9,13 +8,15 @@ from fraese.context import ProgramContext
 from fraese.controller import Controller
 from fraese.errors import LimitError, ProgramError, StateError
 from fraese.examine import Facts, Survey, examine
+from fraese.fromline import in_words, safe_z, skip_to
 from fraese.gcode import canon
 from fraese.gcode.text import read_lines
 from fraese.jobs import STANDSTILL, Job
+from fraese.ledger import Ledger
 from fraese.lift import Lift
 from fraese.log import logged
 from fraese.sources import ProgramSource, require_readable
-from fraese.translate import Moves, Translation
+from fraese.translate import Translation
 
 #: Lines shown to people; behind that the text is cut.
 _MOST_SHOWN_LINES = 200_000
@@ -83,7 +84,7 @@ class Program:
         moves = source.moves()
         if from_line > 1:
             moves = skip_to(moves, from_line, safe_z(context), source)
-        ledger = _Ledger(controller, source, translation)
+        ledger = Ledger(controller, source, translation)
 
         def job() -> Job:
             try:
@@ -92,14 +93,16 @@ class Program:
                 yield STANDSTILL
                 ledger.close()
             finally:
-                controller.offsets.replace(ledger.in_force())
+                controller.whereabouts.offsets.replace(ledger.in_force())
 
         controller.start(
             self.name,
             job(),
             lines=facts.lines if facts else 0,
             expected_s=facts.duration_s if facts else 0.0,
-            detour=Lift(controller, retract_mm) if (retract_mm := context.retract_mm()) else None,
+            detour=Lift(controller.whereabouts, retract_mm)
+            if (retract_mm := context.retract_mm())
+            else None,
         )
 
     def drive_frame(self, controller: Controller) -> None:
@@ -131,7 +134,7 @@ class Program:
         source = ProgramSource(self.path, context)
         said = [f"{self.name} from line {from_line}:"]
         for move in skip_to(source.moves(), from_line, safe_z(context), source):
-            said.append("  " + _in_words(move))
+            said.append("  " + in_words(move))
             if isinstance(move, canon.Feed) or move.line > from_line:
                 break
         state = source.modal_state()
@@ -142,84 +145,12 @@ class Program:
         return said
 
 
-class _Ledger:
-    """Which offsets hold where: what was read ahead but not reached does not count.
-
-    Args:
-        controller: knows how many blocks were played.
-        source: where the offsets come from.
-        translation: what lies between.
-    """
-
-    def __init__(
-        self, controller: Controller, source: ProgramSource, translation: Translation
-    ) -> None:
-        self._controller = controller
-        self._source = source
-        self._planner = translation.planner
-        # Blocks before a change, and the parameters from there on.
-        self._entries = deque([(0, dict(controller.offsets.parameters))])
-
-    def watch(self, moves: Moves) -> Moves:
-        """Pass everything on, both ways; note changes."""
-        facts: canon.Facts | None = None
-        changes = self._source.changes
-        while True:
-            try:
-                move = moves.send(facts)
-            except StopIteration:
-                return
-            if self._source.changes != changes:
-                changes = self._source.changes
-                self._note(self._controller.blocks_pushed() + self._planner.pending)
-            facts = yield move
-
-    def _note(self, blocks: int) -> None:
-        self._forget_passed()
-        self._entries.append((blocks, self._source.parameters()))
-
-    def _forget_passed(self) -> None:
-        finished = self._controller.blocks_finished()
-        while len(self._entries) > 1 and self._entries[1][0] <= finished:
-            self._entries.popleft()
-
-    def close(self) -> None:
-        """The program was played to its end."""
-        self._entries = deque([(0, self._source.parameters())])
-
-    def in_force(self) -> dict[int, float]:
-        """The parameters where the machine stands."""
-        self._forget_passed()
-        return self._entries[0][1]
-
-
-def _in_words(move: canon.Move) -> str:
-    if isinstance(move, canon.Rapid | canon.Feed):
-        where = " ".join(f"{name}{value:.3f}" for name, value in zip("XYZ", move.to, strict=True))
-        how = f"feed {move.feed_mm_min:g} mm/min" if isinstance(move, canon.Feed) else "rapid"
-        return f"{how} to {where} (machine)"
-    if isinstance(move, canon.Spindle):
-        return f"spindle {'on' if move.direction else 'off'}, {move.rev_min:g} rev/min"
-    if isinstance(move, canon.Coolant):
-        return f"coolant {'on' if move.mist or move.flood else 'off'}"
-    if isinstance(move, canon.Tool):
-        return f"tool {move.number}"
-    return type(move).__name__.lower()
-
-
 def _require_reference(context: ProgramContext) -> None:
     if not all(context.referenced) and context.config.run.unreferenced == "forbid":
         raise StateError(
             "The machine is not referenced and run.unreferenced forbids running so:"
             " reference it first; nothing has moved."
         )
-
-
-def safe_z(context: ProgramContext) -> float:
-    """Height for the way to a line: the top, or where it stands if nobody knows the top."""
-    if context.referenced[2] or context.config.run.safe_z_mm is not None:
-        return context.safe_z_mm()
-    return context.machine.to_mm(context.start_steps)[2]
 
 
 def open_program(path: Path) -> Program:
@@ -230,62 +161,3 @@ def open_program(path: Path) -> Program:
     """
     require_readable(path)
     return Program(path)
-
-
-def skip_to(moves: Moves, from_line: int, safe_z_mm: float, source: ProgramSource) -> Moves:
-    """The moves from a line on, with the way there in front.
-
-    What lies before is read for what it leaves in force; of what it commands the last word of
-    each kind (path mode, spindle, coolant) is repeated. Then: up to the safe height, over to where
-    the program would be, and down with its feed.
-
-    Raises:
-        ProgramError: if there is no such line.
-    """
-    kept: dict[type, canon.Move] = {}
-    for move in moves:
-        if move.line >= from_line and not isinstance(move, canon.End):
-            break
-        if isinstance(move, canon.End):
-            raise ProgramError(
-                f"there is nothing to run from line {from_line} on; the program ends in line"
-                f" {move.line}.",
-                from_line,
-            )
-        if isinstance(move, canon.Rapid | canon.Feed | canon.Arc | canon.Probe):
-            kept[canon.Rapid] = move
-        elif isinstance(move, canon.Spindle | canon.Coolant | canon.PathControl | canon.Tool):
-            kept[type(move)] = move
-    else:
-        raise ProgramError(f"there is nothing to run from line {from_line} on.", from_line)
-    yield from _way_to(kept, safe_z_mm, source, from_line)
-    facts = yield move
-    yield from _rest(moves, facts)
-
-
-def _rest(moves: Moves, facts: canon.Facts | None) -> Moves:
-    while True:
-        try:
-            move = moves.send(facts)
-        except StopIteration:
-            return
-        facts = yield move
-
-
-def _way_to(
-    kept: dict[type, canon.Move], safe_z_mm: float, source: ProgramSource, line: int
-) -> Generator[canon.Move, canon.Facts | None, None]:
-    """From wherever the machine stands to where the program would be."""
-    for kind in (canon.Tool, canon.Spindle, canon.Coolant, canon.PathControl):
-        if kind in kept:
-            yield kept[kind]
-    last = kept.get(canon.Rapid)
-    if last is None:
-        return
-    x_mm, y_mm, z_mm = last.to  # type: ignore[union-attr]
-    here_x, here_y, _ = source.start_mm
-    top_mm = max(safe_z_mm, z_mm)
-    yield canon.Rapid(line, (here_x, here_y, top_mm))
-    yield canon.Rapid(line, (x_mm, y_mm, top_mm))
-    feed_mm_min = source.modal_state().feed_mm_min or source.default_feed_mm_min
-    yield canon.Feed(line, (x_mm, y_mm, z_mm), feed_mm_min)

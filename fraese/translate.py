@@ -9,18 +9,16 @@ Rule 4: a probe that shares the end switches' input still touches when its move 
 """
 
 from collections.abc import Callable, Generator, Iterable
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from fraese.blocks import Block, WatchAction
 from fraese.context import ProgramContext
+from fraese.controller import Controller
 from fraese.errors import ProbeError
 from fraese.gcode import canon
 from fraese.jobs import STANDSTILL, Ask, Job, Standstill
 from fraese.motor.seams import Ended, Report
 from fraese.planner.planner import Planner
-
-if TYPE_CHECKING:
-    from fraese.controller import Controller
 
 Moves = Generator[canon.Move, canon.Facts | None, None]
 Part = Generator[Block | Standstill | Ask, Report, canon.Facts | None]
@@ -36,7 +34,7 @@ class Translation:
         controller: told, asked and watched; None for a check.
     """
 
-    def __init__(self, context: ProgramContext, controller: "Controller | None") -> None:
+    def __init__(self, context: ProgramContext, controller: Controller | None) -> None:
         self._context = context
         self._controller = controller
         self._override = 1.0
@@ -169,7 +167,7 @@ class Translation:
         if self._controller is None:
             return None
         yield Ask(question)
-        return self._facts()
+        return None
 
     def _probe(self, move: canon.Probe) -> Part:
         controller = self._controller
@@ -178,26 +176,27 @@ class Translation:
             yield from _each(self.planner.drain())
             return None
         yield from _each(self.planner.drain())
-        report = yield STANDSTILL
-        from_mm = self._point(controller.position_steps())
-        if controller.probe_closed() == move.until_closed:
+        yield STANDSTILL
+        where, switches = controller.whereabouts, controller.switches
+        from_mm = self._point(where.position_steps)
+        if switches.probe_closed == move.until_closed:
             raise ProbeError(
-                f"{self._where(move)}: the probe {'touches' if move.until_closed else 'is free'}"
-                f" already; the machine stands at {controller.where()}."
+                f"line {move.line}: the probe {'touches' if move.until_closed else 'is free'}"
+                f" already; the machine stands at {where.in_words()}."
             )
-        watch = controller.probe_watch(closed=move.until_closed, action=WatchAction.STOP)
+        watch = switches.probe_watch(closed=move.until_closed, action=WatchAction.STOP)
         yield from _each(self.planner.watched(move.to, move.feed_mm_min, watch, move.line))
         report = yield STANDSTILL
         touched = report.ended is Ended.WATCH
-        contact_mm = self._point(controller.latched_steps(report)) if touched else None
-        self.planner.reset(controller.position_steps(), controller.slack_steps)
+        contact_mm = self._point(where.latched_steps(report)) if touched else None
+        self.planner.reset(where.position_steps, where.slack_steps)
         if move.must_touch and not touched:
             raise ProbeError(
-                f"{self._where(move)}: the probe never"
+                f"line {move.line}: the probe never"
                 f" {'touched' if move.until_closed else 'came free'}; the machine stands at"
-                f" {controller.where()}."
+                f" {where.in_words()}."
             )
-        at_mm = self._point(controller.position_steps())
+        at_mm = self._point(where.position_steps)
         if report.switch_closed:
             self._probed_way = _way(from_mm, move.to)
         return canon.Facts(position_mm=at_mm, touched=touched, contact_mm=contact_mm)
@@ -207,9 +206,9 @@ class Translation:
         controller = self._controller
         assert controller is not None
         feed_mm_min = move.feed_mm_min if isinstance(move, canon.Feed) else None
-        way = _way(self._point(controller.position_steps()), move.to)
+        way = _way(self._point(controller.whereabouts.position_steps), move.to)
         further_in = sum(a * b for a, b in zip(way, self._probed_way, strict=True)) > 0
-        watch = controller.switch_watch(closed=False, action=WatchAction.IGNORE)
+        watch = controller.switches.watch(closed=False, action=WatchAction.IGNORE)
         if further_in:
             yield from _each(self.planner.line(move.to, feed_mm_min, move.line))
             yield from _each(self.planner.drain())
@@ -218,13 +217,6 @@ class Translation:
         report = yield STANDSTILL
         if not report.switch_closed:
             self._probed_way = ()
-        return None
-
-    def _where(self, move: canon.Probe) -> str:
-        return f"line {move.line}"
-
-    def _facts(self) -> canon.Facts | None:
-        """What the operator may have changed at a barrier: nothing moves by hand here."""
         return None
 
     def _point(self, steps: tuple[int, ...]) -> canon.Point:

@@ -342,7 +342,7 @@ def test_a_second_run_loses_the_reference_until_it_is_found_again() -> None:
     made = plant(**SHORT)
     reference(made)
     seen: list[bool] = []
-    made.controller.set_show_pos(lambda: seen.append(made.controller.is_referenced("z")))
+    made.controller.set_show_pos(lambda: seen.append(made.controller.state().referenced[2]))
     reference(made)
     assert seen[2] is False
     assert seen[-1] is True

@@ -230,7 +230,7 @@ def test_a_clamped_jog_stops_at_the_limit() -> None:
 def test_an_axis_beyond_its_limit_may_come_back_and_only_by_what_is_asked() -> None:
     made = homed()
     controller = made.controller
-    controller.set_reference("x", -100)
+    controller.whereabouts.set_reference("x", -100)
     with pytest.raises(LimitError):
         controller.jog_steps("x", -1)
     controller.jog_steps("x", 20)
@@ -595,7 +595,7 @@ def test_backlash_is_taken_up_by_the_motor_and_not_seen_in_the_position(
         assert controller.run() is Status.OK
         assert carriages(made)[0] - start == pytest.approx(motor_mm * 200)
     assert controller.state().position_mm[0] == 2.5
-    assert controller.slack_steps == (0, 0, 0)
+    assert controller.whereabouts.slack_steps == (0, 0, 0)
 
 
 @pytest.mark.parametrize("number", range(1, 9))
@@ -607,7 +607,7 @@ def test_position_and_slack_survive_a_cancel_within_the_take_up(number: int) -> 
     after_slices(controller, number, controller.cancel)
     controller.run()
     motor = carriages(made)[0] - start
-    assert controller.position_steps()[0] - controller.slack_steps[0] == motor
+    assert controller.whereabouts.position_steps[0] - controller.whereabouts.slack_steps[0] == motor
     controller.acknowledge()
     controller.jog("x", 1)
     assert controller.run() in (Status.OK, Status.CANCEL)
@@ -622,7 +622,9 @@ def assert_agreement(made: Plant, zero: tuple[float, ...]) -> None:
     sight = look(made)
     for index, axis in enumerate(controller.machine.axes):
         seen = sight.carriages_steps[index] - zero[index]
-        motor = controller.position_steps()[index] - controller.slack_steps[index]
+        motor = (
+            controller.whereabouts.position_steps[index] - controller.whereabouts.slack_steps[index]
+        )
         assert seen == motor * axis.motor_sign
         assert sight.lost_steps[index] == 0
 
@@ -672,7 +674,9 @@ def test_conservation(
             tuple(
                 at - slack
                 for at, slack in zip(
-                    controller.position_steps(), controller.slack_steps, strict=True
+                    controller.whereabouts.position_steps,
+                    controller.whereabouts.slack_steps,
+                    strict=True,
                 )
             )
         )

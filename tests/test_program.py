@@ -551,7 +551,7 @@ def test_an_axis_that_stands_outside_and_is_not_moved_does_not_refuse_a_program(
     tmp_path: Path,
 ) -> None:
     made = homed()
-    made.controller.set_reference("x", -20)
+    made.controller.whereabouts.set_reference("x", -20)
     facts = program(tmp_path, "G21 G90 G1 Y5 F900\nM2\n").check(made.controller)
     assert facts.ok
     with pytest.raises(LimitError, match=r"line 1: X -1\.000"):

@@ -41,14 +41,14 @@ def rig() -> Iterator[Rig]:
 def test_a_command_is_done_and_run(rig: Rig) -> None:
     assert rig.worker.submit(lambda: rig.controller.jog("x", 1))
     rig.wait()
-    assert rig.controller.position_steps() == (200, 0, 0)
+    assert rig.controller.whereabouts.position_steps == (200, 0, 0)
 
 
 def test_a_refusal_is_said_and_nothing_moves(rig: Rig) -> None:
     rig.worker.submit(lambda: rig.controller.jog("x", 1000))
     rig.wait()
     assert "at most 50 mm" in rig.refused[0]
-    assert rig.controller.position_steps() == (0, 0, 0)
+    assert rig.controller.whereabouts.position_steps == (0, 0, 0)
 
 
 def test_only_one_of_the_same_group_waits(rig: Rig) -> None:
@@ -74,7 +74,7 @@ def test_nothing_waits_behind_another_group(rig: Rig) -> None:
     assert not rig.worker.submit(lambda: rig.controller.jog("x", 1))
     go.set()
     rig.wait()
-    assert rig.controller.position_steps() == (0, 0, 0)
+    assert rig.controller.whereabouts.position_steps == (0, 0, 0)
 
 
 def test_a_cancel_counts_for_a_command_that_has_not_yet_started(rig: Rig) -> None:
@@ -90,7 +90,7 @@ def test_a_cancel_counts_for_a_command_that_has_not_yet_started(rig: Rig) -> Non
     rig.worker.cancel()
     go.set()
     rig.wait()
-    assert rig.controller.position_steps() == (0, 0, 0)
+    assert rig.controller.whereabouts.position_steps == (0, 0, 0)
     assert rig.controller.status is Status.OK
     assert "Cancelled" in rig.controller.state().message
 
@@ -120,7 +120,7 @@ def test_after_a_surprise_the_machine_is_free_again(rig: Rig, late: bool) -> Non
     assert rig.controller.status is Status.OK
     assert rig.worker.submit(lambda: rig.controller.jog("x", 1))
     rig.wait()
-    assert rig.controller.position_steps() == (200, 0, 0)
+    assert rig.controller.whereabouts.position_steps == (200, 0, 0)
 
 
 def test_a_hold_does_not_spin() -> None:
@@ -162,13 +162,13 @@ def test_trouble_between_commands_is_told_once_and_the_thread_lives_on(rig: Rig)
     def gone(elapsed_s: float) -> None:
         raise PortError("The port went away.")
 
-    rig.controller.idle = gone  # type: ignore[method-assign, assignment]
+    rig.controller.idle = gone  # type: ignore[assignment]
     rig.wait(lambda: bool(rig.refused))
     time.sleep(0.12)
     assert rig.refused == ["The port went away."]
     assert rig.worker.submit(lambda: rig.controller.jog("x", 1))
     rig.wait()
-    assert rig.controller.position_steps() == (200, 0, 0)
+    assert rig.controller.whereabouts.position_steps == (200, 0, 0)
 
 
 def test_an_error_that_waits_is_not_acknowledged_by_a_refusal(rig: Rig) -> None:

@@ -216,7 +216,7 @@ def test_pictures_fit(size: tuple[int, int], light: bool) -> None:
                 await b.press("t")
                 assert b.app.theme == "fraese-light"
             for axis, steps in (("x", 40_001), ("y", 20_000), ("z", -6_667)):
-                b.plant.controller.set_reference(axis, steps)
+                b.plant.controller.whereabouts.set_reference(axis, steps)
             await b.jog("right")
             seen = []
             for _ in PICTURES:

@@ -1,0 +1,78 @@
+"""The command line: the composition root."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fraese.assembly import Plant
+from fraese.cli import files, motion
+from fraese.cli.shared import ConfigOption, FreshOption, StartingPlace, StateOption, leave
+from fraese.errors import UsageError
+from fraese.program import open_program
+
+app = typer.Typer(
+    name="fraese",
+    help="Machine control for stepper-driven mills, in the terminal. Without a command: the app.",
+    no_args_is_help=False,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+app.add_typer(motion.app)
+app.add_typer(files.app)
+
+
+@app.callback(invoke_without_command=True)
+def start(
+    context: typer.Context,
+    config: ConfigOption = None,
+    state: StateOption = None,
+    fresh: FreshOption = False,
+    file: Annotated[
+        Path | None, typer.Option("--open", metavar="FILE", help="Program to open in the app.")
+    ] = None,
+) -> None:
+    """Without a command, start the app."""
+    if context.invoked_subcommand is not None:
+        # What was said in front of the command holds for it.
+        given = {"config": config, "state": state, "fresh": fresh or None}
+        given = {name: value for name, value in given.items() if value is not None}
+        context.default_map = {context.invoked_subcommand: {**given, "check": given}}
+        return
+
+    def go() -> int:
+        if not sys.stdin.isatty() or not sys.stdout.isatty():
+            raise UsageError(
+                "The app needs a terminal; without one use a command, see fraese --help."
+            )
+        plant = StartingPlace(config=config, state=state, fresh=fresh).plant("paced")
+        return _run_app(plant, file)
+
+    leave(go)
+
+
+def _run_app(plant: Plant, program: Path | None) -> int:
+    # Textual takes a quarter of a second to import; headless commands do not pay for it.
+    from fraese.ui.app import FraeseApp
+
+    try:
+        FraeseApp(
+            plant.controller,
+            open_program=open_program,
+            notes=plant.notes,
+            before_motion=lambda: plant.save(moving=True),
+            program=program,
+            machine_name=plant.machine_name,
+            hand=plant.press if plant.is_simulated else None,
+        ).run()
+    finally:
+        plant.close()
+    return 0
+
+
+def main() -> None:
+    """Entry point."""
+    app()

@@ -1,0 +1,140 @@
+"""Commands about files, without motion: programs looked through, the configuration."""
+
+import json
+import sys
+from pathlib import Path
+
+import typer
+
+from fraese import configfile as configuration
+from fraese.assembly import assemble
+from fraese.cli.shared import ConfigOption, FileArgument, StartingPlace, leave, with_options
+from fraese.config import AXIS_NAMES
+from fraese.context import ProgramContext
+from fraese.errors import UsageError
+from fraese.examine import Facts, examine
+from fraese.gcode.jsonl import as_dict
+from fraese.headless import note
+from fraese.machine import Machine
+from fraese.program import open_program
+from fraese.sources import ProgramSource
+
+app = typer.Typer()
+config_app = typer.Typer(help="Look at the configuration.", no_args_is_help=True)
+app.add_typer(config_app, name="config")
+
+
+# --- programs ----------------------------------------------------------------------------------
+
+
+@app.command()
+@with_options
+def check(
+    file: FileArgument,
+    *,
+    on: StartingPlace,
+) -> None:
+    """Look a program through: everything but the motors."""
+
+    def go() -> int:
+        plant = on.plant()
+        facts = examine(file, plant.controller.program_context())
+        plant.controller.close()
+        if on.as_json:
+            print(json.dumps(_facts_as_dict(facts)))
+        else:
+            _print_facts(file, facts)
+        return 0 if facts.ok else UsageError.exit_code
+
+    leave(go, on.as_json)
+
+
+def _facts_as_dict(facts: Facts) -> dict[str, object]:
+    bounds = None
+    if facts.low_mm is not None and facts.high_mm is not None:
+        bounds = {
+            name: [low, high]
+            for name, low, high in zip(AXIS_NAMES, facts.low_mm, facts.high_mm, strict=True)
+        }
+    return {
+        "ok": facts.ok,
+        "errors": [{"line": e.line, "message": e.message} for e in facts.errors],
+        "warnings": [{"line": w.line, "message": w.message} for w in facts.outside],
+        "bounds_mm": bounds,
+        "duration_s": round(facts.duration_s, 3),
+        "length_mm": round(facts.length_mm, 3),
+        "lines": facts.lines,
+        "blocks": facts.blocks,
+    }
+
+
+def _print_facts(file: Path, facts: Facts) -> None:
+    for error in facts.errors:
+        place = f"{file}, line {error.line}" if error.line else f"{file}"
+        note(f"{place}: {error.message}")
+    for warning in facts.warnings:
+        note(f"{file}, {warning}")
+    if facts.low_mm is not None and facts.high_mm is not None:
+        for name, low, high in zip(AXIS_NAMES, facts.low_mm, facts.high_mm, strict=True):
+            print(f"{name.upper()} {low:10.3f} to {high:10.3f} mm (machine)")
+    minutes, seconds = divmod(facts.duration_s, 60)
+    print(
+        f"{facts.lines} lines, {facts.blocks} blocks, {facts.length_mm:.1f} mm,"
+        f" {minutes:.0f} min {seconds:04.1f} s"
+    )
+    print("ok" if facts.ok else "refused")
+
+
+@app.command()
+def gcode(file: FileArgument, config: ConfigOption = None) -> None:
+    """Print the canonical moves of a program, one JSON object a line; starts at zero."""
+
+    def go() -> int:
+        open_program(file)
+        settings = configuration.load(config)
+        machine = Machine.from_config(settings)
+        nowhere = (0,) * len(machine.axes)
+        context = ProgramContext(settings, machine, nowhere, nowhere, (False,) * 3, {})
+        out = sys.stdout
+        for canonical in ProgramSource(file, context).moves():
+            values = as_dict(canonical)
+            if values is not None:
+                out.write(json.dumps(values) + "\n")
+        out.flush()
+        return 0
+
+    leave(go)
+
+
+# --- configuration -----------------------------------------------------------------------------
+
+
+@config_app.command("check")
+def config_check(config: ConfigOption = None) -> None:
+    """See whether the configuration makes sense."""
+
+    def go() -> int:
+        settings = configuration.load(config)
+        assemble(settings).controller.close()
+        found = configuration.find_file(config)
+        print(f"{found}: ok" if found else "No configuration file: built-in defaults. ok")
+        return 0
+
+    leave(go)
+
+
+@config_app.command("schema")
+def config_schema() -> None:
+    """Print the JSON schema of the configuration, for editors."""
+    leave(lambda: _printed(json.dumps(configuration.schema(), indent=2) + "\n"))
+
+
+@config_app.command("default")
+def config_default() -> None:
+    """Print a configuration file with every key at its default."""
+    leave(lambda: _printed(configuration.annotated()))
+
+
+def _printed(text: str) -> int:
+    print(text, end="")
+    return 0

@@ -1,0 +1,176 @@
+"""Commands that drive the machine, or ask it something."""
+
+import sys
+from typing import Annotated
+
+import typer
+
+from fraese.cli.shared import (
+    VALUES,
+    Drive,
+    FileArgument,
+    Place,
+    StartingPlace,
+    leave,
+    with_options,
+)
+from fraese.config import AXIS_NAMES
+from fraese.controller import Controller
+from fraese.errors import Cancelled, UsageError
+from fraese.headless import note, watch_switches
+from fraese.program import open_program
+from fraese.words import axes_named, axis_words
+
+FeedOption = Annotated[
+    float | None,
+    typer.Option("--feed", metavar="MM_MIN", help="Feed, mm/min; else as fast as the axes can."),
+]
+
+app = typer.Typer()
+
+
+@app.command()
+@with_options
+def run(
+    file: FileArgument,
+    *,
+    on: Drive,
+    stream: Annotated[
+        bool, typer.Option("--stream", help="Start at once, without looking the file through.")
+    ] = False,
+    from_line: Annotated[
+        int, typer.Option("--from-line", metavar="N", min=1, help="Begin at this line.")
+    ] = 1,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before --from-line.")] = False,
+) -> None:
+    """Run a program: G-code, or a list of coordinates."""
+
+    def action(controller: Controller) -> None:
+        program = open_program(file)
+        facts = None if stream else program.check(controller, plan=sys.stderr.isatty())
+        if from_line > 1:
+            _announce(program.way_from(controller, from_line), yes)
+        context = controller.program_context()
+        program.start(controller, facts, from_line=from_line)
+        if not all(context.referenced):
+            percent = context.config.run.unreferenced_percent
+            note(f"The machine is not referenced: running at {percent:g} % of its rates.")
+
+    on.do(action)
+
+
+def _announce(way: list[str], yes: bool) -> None:
+    """Say what --from-line will do, and ask."""
+    for line in way:
+        note(line)
+    if yes:
+        return
+    if not sys.stdin.isatty():
+        raise UsageError("--from-line asks before it moves; without a terminal add --yes.")
+    if not typer.confirm("Go?", err=True):
+        raise Cancelled("Not started; nothing has moved.")
+
+
+@app.command(context_settings=VALUES)
+@with_options
+def move(
+    words: Annotated[list[str], typer.Argument(metavar="X.. Y.. Z..", help="As in X10 Y-5.5.")],
+    *,
+    on: Drive,
+    feed: FeedOption = None,
+    relative: Annotated[bool, typer.Option("--relative", help="Distances from here.")] = False,
+    machine: Annotated[bool, typer.Option("--machine", help="Machine coordinates.")] = False,
+) -> None:
+    """Move one or several axes in a straight line, in mm, to work coordinates."""
+
+    def action(controller: Controller) -> None:
+        targets = axis_words(words)
+        if feed is not None and not feed > 0:
+            raise UsageError(f"--feed {feed:g}: a feed is above 0 mm/min.")
+        controller.move_to(
+            targets, relative=relative, machine_coordinates=machine, feed_mm_min=feed
+        )
+
+    on.do(action)
+
+
+@app.command(context_settings=VALUES)
+@with_options
+def jog(
+    axis: Annotated[str, typer.Argument(metavar="AXIS", help="X, Y or Z.")],
+    distance: Annotated[str, typer.Argument(metavar="MM", help="Signed distance, mm.")],
+    *,
+    on: Drive,
+) -> None:
+    """Move one axis a little way."""
+
+    def action(controller: Controller) -> None:
+        words = axis_words([axis + distance])
+        if len(words) > 1:
+            raise UsageError(f'"{axis} {distance}": a jog is of one axis, as in jog X 1.5.')
+        for name, distance_mm in words.items():
+            controller.jog(name, distance_mm)
+
+    on.do(action)
+
+
+@app.command()
+@with_options
+def home(
+    axes: Annotated[
+        list[str] | None, typer.Argument(metavar="[AXES]", help="As in Z X; all by default.")
+    ] = None,
+    *,
+    on: Drive,
+    measure: Annotated[
+        bool, typer.Option("--measure", help="Run to the other end too, and measure the travel.")
+    ] = False,
+) -> None:
+    """Reference the axes at their end switches."""
+    on.do(lambda controller: controller.home(axes_named(axes or []), measure=measure or None))
+
+
+@app.command()
+@with_options
+def frame(
+    file: FileArgument,
+    *,
+    on: Drive,
+) -> None:
+    """Drive round the bounding box of a program, at a safe height."""
+    on.do(lambda controller: open_program(file).drive_frame(controller))
+
+
+@app.command()
+@with_options
+def switches(on: Place) -> None:
+    """Press each end switch by hand and see it; nothing moves. Ends with Ctrl+C."""
+
+    def go() -> int:
+        plant = on.plant("paced")
+        try:
+            return watch_switches(plant.controller, as_json=on.as_json)
+        finally:
+            plant.close()
+
+    leave(go, on.as_json)
+
+
+@app.command()
+@with_options
+def zero(
+    axes: Annotated[
+        list[str] | None, typer.Argument(metavar="[AXES]", help="As in X Y; all by default.")
+    ] = None,
+    *,
+    on: Place,
+) -> None:
+    """Make the present position the work zero."""
+    on.do(lambda controller: controller.set_zero(axes_named(axes or []) or AXIS_NAMES))
+
+
+@app.command()
+@with_options
+def where(on: StartingPlace) -> None:
+    """Say where the machine stands, without moving it."""
+    on.do(lambda controller: None)

@@ -1,0 +1,156 @@
+"""What commands share: their options, a machine to work on, and one way to leave.
+
+Rule 1: a command says which options it shares by the type of its parameter ``on``; ``with_options``
+        shows their fields to typer as options of their own:
+
+            Place          --config --json --state
+            StartingPlace  ... and --fresh
+            Drive          ... and --real-time
+
+Rule 2: a command leaves with an exit code; whatever is refused is one sentence, never a traceback.
+"""
+
+import dataclasses
+import functools
+import inspect
+import os
+import sys
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Final, get_type_hints
+
+import typer
+
+from fraese import configfile as configuration
+from fraese.assembly import ClockName, Plant, assemble, state_folder
+from fraese.controller import Controller
+from fraese.errors import Cancelled, FraeseError
+from fraese.headless import Session, note, refuse
+from fraese.log import write
+
+ConfigOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--config", metavar="FILE", help="Configuration file; else ./fraese.toml, else the user's."
+    ),
+]
+JsonOption = Annotated[
+    bool, typer.Option("--json", help="Result as one JSON object on the last line.")
+]
+StateOption = Annotated[
+    Path | None,
+    typer.Option("--state", metavar="DIR", help="Folder in which the machine's state is kept."),
+]
+FreshOption = Annotated[bool, typer.Option("--fresh", help="Forget the state that was kept.")]
+RealTimeOption = Annotated[
+    bool, typer.Option("--real-time", help="Let the simulated mill take its time.")
+]
+FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Program or coordinate list.")]
+
+#: Words such as -1.5 or X-3 are values here, not options.
+VALUES: Final = {"ignore_unknown_options": True}
+
+_BY_NAME: Final = inspect.Parameter.KEYWORD_ONLY
+
+
+@dataclass(frozen=True)
+class Place:
+    """Options of a command that looks at a machine where it was left."""
+
+    config: ConfigOption = None
+    as_json: JsonOption = False
+    state: StateOption = None
+    # Options of some commands only; here no fields.
+    fresh = False
+    real_time = False
+
+    def plant(self, clock: ClockName | None = None) -> Plant:
+        """The machine that they name."""
+        return assemble(
+            configuration.load(self.config),
+            clock=clock or ("paced" if self.real_time else "virtual"),
+            state=self.state or state_folder(),
+            fresh=self.fresh,
+        )
+
+    def do(self, action: Callable[[Controller], object]) -> None:
+        """One command on that machine; leaves with its exit code."""
+
+        def go() -> int:
+            plant = self.plant()
+            try:
+                return Session(plant, as_json=self.as_json).do(action)
+            except BaseException:
+                plant.close()
+                raise
+
+        leave(go, self.as_json)
+
+
+@dataclass(frozen=True)
+class StartingPlace(Place):
+    """The same, or as if it were new."""
+
+    fresh: FreshOption = False
+
+
+@dataclass(frozen=True)
+class Drive(StartingPlace):
+    """Options of a command that moves a machine."""
+
+    real_time: RealTimeOption = False
+
+
+def with_options(function: Callable[..., None]) -> Callable[..., None]:
+    """Let typer see the fields of the parameter ``on`` as options of their own."""
+    hints = get_type_hints(function, include_extras=True)
+    on = hints["on"]
+    types = get_type_hints(on, include_extras=True)
+    shared = {
+        field.name: inspect.Parameter(
+            field.name, _BY_NAME, default=field.default, annotation=types[field.name]
+        )
+        for field in dataclasses.fields(on)
+    }
+    parameters: list[inspect.Parameter] = []
+    for name, parameter in inspect.signature(function).parameters.items():
+        seen = parameter.replace(kind=_BY_NAME, annotation=hints[name])
+        parameters += shared.values() if name == "on" else [seen]
+
+    @functools.wraps(function)
+    def command(**values: Any) -> None:
+        given = {name: values.pop(name) for name in shared}
+        function(on=on(**given), **values)
+
+    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    command.__annotations__ = {each.name: each.annotation for each in parameters}
+    return command
+
+
+def leave(action: Callable[[], int], as_json: bool = False) -> None:
+    """Leave with an exit code; whatever is refused is one sentence."""
+    code = 0
+    try:
+        code = _carried_out(action, as_json)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # Whoever read the output has seen enough; what was done was done.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    raise typer.Exit(code)
+
+
+def _carried_out(action: Callable[[], int], as_json: bool) -> int:
+    try:
+        return action()
+    except FraeseError as error:
+        return refuse(error, as_json=as_json)
+    except (KeyboardInterrupt, typer.Abort):
+        return refuse(Cancelled("Cancelled before anything moved."), as_json=as_json)
+    except BrokenPipeError:
+        raise
+    except Exception as error:
+        write("cli", action.__qualname__, "error", traceback.format_exc())
+        note(f"fraese: stopped by an error in the program itself: {error!r}.")
+        return 1

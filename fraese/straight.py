@@ -1,0 +1,105 @@
+"""Straight lines by hand: what a jog, a move, a reference run and a lift are made of.
+
+Rule 1: every line goes from rest to rest. A program's lines go through the look-ahead instead.
+Rule 2: backlash is taken up first, in a block of its own; a watched line is one block, so that its
+        watch sees the contact wherever it comes.
+"""
+
+from collections.abc import Iterator, Sequence
+
+from fraese.blocks import Block, Watch
+from fraese.jobs import Job
+from fraese.machine import Steps
+from fraese.planner.backlash import take_up
+from fraese.planner.lines import plan_line
+from fraese.whereabouts import Whereabouts
+
+
+def line_blocks(
+    whereabouts: Whereabouts,
+    delta: Steps,
+    feed_mm_min: float | None = None,
+    watch: Watch | None = None,
+) -> Iterator[Block]:
+    """A straight line from here.
+
+    Args:
+        whereabouts: from where, and with how much slack.
+        delta: signed axis steps.
+        feed_mm_min: along the line; None: as fast as the axes can.
+        watch: condition while it plays; then only one axis may move.
+    """
+    machine, slack = whereabouts.machine, _slack_taken_up(whereabouts, delta)
+    if watch is not None:
+        whole = tuple(n + extra for n, extra in zip(delta, slack, strict=True))
+        yield from _made(plan_line(machine, whole, feed_mm_min, watch=watch))
+        return
+    yield from _made(plan_line(machine, slack))
+    yield from _made(plan_line(machine, delta, feed_mm_min))
+
+
+def slack_after(whereabouts: Whereabouts, delta: Steps) -> Steps:
+    """Backlash between motor and carriage after such a line."""
+    taken_up = _slack_taken_up(whereabouts, delta)
+    return tuple(
+        slack - taken for slack, taken in zip(whereabouts.slack_steps, taken_up, strict=True)
+    )
+
+
+def line(
+    whereabouts: Whereabouts,
+    delta: Steps,
+    feed_mm_min: float | None = None,
+    watch: Watch | None = None,
+) -> Job:
+    """A straight line from here as a job; see ``line_blocks``."""
+    for block in line_blocks(whereabouts, delta, feed_mm_min, watch):
+        yield block
+
+
+def axis_line(
+    whereabouts: Whereabouts, motor: int, steps: int, feed_mm_min: float | None, watch: Watch | None
+) -> Job:
+    """The same of one axis."""
+    delta = [0] * len(whereabouts.machine.axes)
+    delta[motor] = steps
+    return line(whereabouts, tuple(delta), feed_mm_min, watch)
+
+
+def line_to(
+    whereabouts: Whereabouts,
+    target: Steps,
+    feed_mm_min: float | None = None,
+    watch: Watch | None = None,
+) -> Job:
+    """The same to a machine position."""
+    return line(whereabouts, _difference(target, whereabouts.position_steps), feed_mm_min, watch)
+
+
+def curve(whereabouts: Whereabouts, targets: Sequence[Steps], feed_mm_min: float | None) -> Job:
+    """Straight lines through machine positions; each block is tagged with its number, from 1."""
+    here = whereabouts.position_steps
+    for number, target in enumerate(targets, start=1):
+        delta, here = _difference(target, here), target
+        block = plan_line(whereabouts.machine, delta, feed_mm_min, tag=number)
+        if block is not None:
+            yield block
+
+
+def _slack_taken_up(whereabouts: Whereabouts, delta: Steps) -> Steps:
+    return tuple(
+        take_up(slack, axis.backlash_steps, n)
+        for slack, axis, n in zip(
+            whereabouts.slack_steps, whereabouts.machine.axes, delta, strict=True
+        )
+    )
+
+
+def _difference(to: Steps, at: Steps) -> Steps:
+    return tuple(a - b for a, b in zip(to, at, strict=True))
+
+
+def _made(block: Block | None) -> Iterator[Block]:
+    """A block, if there is one to make."""
+    if block is not None:
+        yield block
