@@ -118,7 +118,15 @@ class Runner:
             self.failure = error
             self._job = None
             self.cancel()
+        self._remind()
         return self._judge(self._ahead.poll(self._slice_s))
+
+    def _remind(self) -> None:
+        """A flush on the way aside may have wiped the driver's flag just after it was set."""
+        if self._stop:
+            self._driver.stop()
+        elif self._cancel:
+            self._driver.brake()
 
     def abandon(self) -> None:
         """Something unforeseen happened: the job is dropped, the motors stop at the next poll."""

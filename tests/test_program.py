@@ -556,3 +556,20 @@ def test_an_axis_that_stands_outside_and_is_not_moved_does_not_refuse_a_program(
     assert facts.ok
     with pytest.raises(LimitError, match=r"line 1: X -1\.000"):
         program(tmp_path, "G21 G90 G1 X-1 F900\nM2\n").check(made.controller)
+
+
+def test_a_stop_while_the_job_steps_aside_is_not_lost(tmp_path: Path) -> None:
+    made = homed(run={"retract_mm": 5})
+    part = program(tmp_path, "G21 G90 G1 Z-10 F600\nX20\nX0\nM2\n")
+    part.start(made.controller, part.check(made.controller))
+    after_slices(made.controller, 15, made.controller.hold)
+    driver = made.controller._driver
+    flush = driver.flush
+
+    def flush_after_a_stop() -> None:
+        made.controller.stop()
+        flush()
+
+    driver.flush = flush_after_a_stop  # type: ignore[method-assign]
+    assert made.controller.run() is Status.CANCEL
+    assert made.controller.state().position_mm[2] == -10
