@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import Final
 
 from fraese.errors import ProgramError
-from fraese.gcode.parameters import Parameters
+from fraese.gcode.parameters import MAX_INDEX, Parameters
 
 MAX_DEPTH: Final = 60
 # Far beyond any machine, and far from where squares overflow.
@@ -267,7 +267,7 @@ class Reader:
         key = self.parameter_key()
         self.take("]", "the parameter of exists")
         if isinstance(key, int):
-            return float(key in self._parameters.numbered)
+            return float(1 <= key <= MAX_INDEX)
         return float(self._parameters.find(key) is not None)
 
 

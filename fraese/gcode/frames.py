@@ -66,7 +66,7 @@ class Frames:
         Raises:
             ProgramError: there is no such tool.
         """
-        self.set_tool_offset((0.0, 0.0, self._length_of(block)))
+        self.set_tool_offset(self._offset_of(block))
 
     def added_length(self, block: Block) -> None:
         """G43.2: one more length on top.
@@ -77,13 +77,14 @@ class Frames:
         if "h" not in block.words:
             raise ProgramError("G43.2 needs an H word")
         x, y, z = self._coordinates.tool
-        self.set_tool_offset((x, y, z + self._length_of(block)))
+        more_x, more_y, more_z = self._offset_of(block)
+        self.set_tool_offset((x + more_x, y + more_y, z + more_z))
 
     def dynamic_length(self, block: Block) -> None:
         """G43.1: the axis words themselves."""
         self.set_tool_offset(self._given(block, self._coordinates.tool))
 
-    def _length_of(self, block: Block) -> float:
+    def _offset_of(self, block: Block) -> Point:
         word = block.words.get("h")
         number = 0 if word is None else whole(word, "the H word")
         if number < 0:
@@ -91,7 +92,7 @@ class Frames:
         # H0 is whatever is in the spindle.
         number = number or self._modal.tool
         self.check_tool(number)
-        return self._tools.get(number, ToolData()).length_mm
+        return self.tool_data(number).offset_mm
 
     def check_tool(self, number: int) -> None:
         """See that a tool number can be used.
@@ -117,6 +118,15 @@ class Frames:
         )
         return x, y, z
 
+    def _axis_words(self, block: Block) -> dict[int, float]:
+        """The axis words in mm by axis."""
+        scale = self._modal.scale_mm
+        return {
+            axis: block.words[letter] * scale
+            for axis, letter in enumerate(LETTERS)
+            if letter in block.words
+        }
+
     # Non-modal codes
 
     def _g10(self, code: int, block: Block) -> Iterable[Move]:
@@ -128,6 +138,8 @@ class Frames:
         return ()
 
     def _system_word(self, block: Block) -> int:
+        if "i" in block.words or "j" in block.words:
+            raise ProgramError("G10 L2 and L20 take no I and J words")
         number = whole(block.words.get("p", -1.0), "the P word of G10")
         if not 0 <= number <= 9:
             raise ProgramError("G10 needs P0 for the active system, or P1 (G54) to P9 (G59.3)")
@@ -135,12 +147,7 @@ class Frames:
 
     def _set_system(self, block: Block) -> None:
         system = self._system_word(block)
-        scale = self._modal.scale_mm
-        values = {
-            axis: block.words[letter] * scale
-            for axis, letter in enumerate(LETTERS)
-            if letter in block.words
-        }
+        values = self._axis_words(block)
         rotation = block.words.get("r")
         self.shift(lambda: self._coordinates.set_system(system, values, rotation))
 
@@ -149,9 +156,8 @@ class Frames:
             raise ProgramError("G10 L20 takes no R word; use G10 L2 to rotate")
         system = self._system_word(block)
         here = self._coordinates.to_machine(self._position.at)
-        given = {i for i, letter in enumerate(LETTERS) if letter in block.words}
         values = self._coordinates.offset_at(
-            system, here, self._given(block, self._position.at), given
+            system, here, self._given(block, self._position.at), set(self._axis_words(block))
         )
         self.shift(lambda: self._coordinates.set_system(system, values, None))
 
@@ -162,32 +168,32 @@ class Frames:
         self.check_tool(number)
         return number
 
-    def _set_tool(self, block: Block, length_mm: float) -> None:
-        number = self._tool_word(block)
-        old = self._tools.get(number, ToolData())
+    def _set_tool(self, block: Block, number: int, offset_mm: Point) -> None:
+        x_mm, y_mm, length_mm = offset_mm
         radius = block.words.get("r")
-        diameter_mm = old.diameter_mm if radius is None else 2 * radius * self._modal.scale_mm
-        self._tools[number] = ToolData(length_mm, diameter_mm)
+        diameter_mm = (
+            self.tool_data(number).diameter_mm
+            if radius is None
+            else 2 * radius * self._modal.scale_mm
+        )
+        self._tools[number] = ToolData(length_mm, diameter_mm, x_mm, y_mm)
 
-    def _tool_length(self, block: Block) -> None:
+    def _tool_offset(self, block: Block) -> None:
         number = self._tool_word(block)
-        old = self._tools.get(number, ToolData()).length_mm
-        self._set_tool(block, self._given(block, (0.0, 0.0, old))[2])
+        self._set_tool(block, number, self._given(block, self.tool_data(number).offset_mm))
 
-    def _tool_here(self, block: Block) -> None:
-        """Length that makes the present height read as the Z word."""
+    def _tool_here(self, block: Block, fixture: int = 0) -> None:
+        """The offset with which the present place reads as the axis words."""
+        number = self._tool_word(block)
         machine = self._coordinates.to_machine(self._position.at)
-        c = self._coordinates
-        wanted = self._given(block, (0.0, 0.0, 0.0))[2]
-        self._set_tool(block, machine[2] - c.work[2] - c.g92[2] - wanted)
+        offset_mm = self._coordinates.tool_offset_at(
+            machine, self._axis_words(block), self.tool_data(number).offset_mm, fixture
+        )
+        self._set_tool(block, number, offset_mm)
 
     def _tool_at_fixture(self, block: Block) -> None:
         """The same, in the ninth system without G92."""
-        c = self._coordinates
-        machine = c.to_machine(self._position.at)
-        fixture = c.read(c.first_parameter(FIXTURE_SYSTEM))
-        wanted = self._given(block, (0.0, 0.0, 0.0))[2]
-        self._set_tool(block, machine[2] - fixture[2] - wanted)
+        self._tool_here(block, FIXTURE_SYSTEM)
 
     def _home(self, code: int, block: Block) -> Iterator[Move]:
         position = self._position
@@ -250,7 +256,7 @@ _NONMODAL: Final[dict[int, Callable[[Frames, int, Block], Iterable[Move]]]] = {
     923: Frames._g92_on,
 }
 _G10: Final[dict[int, Callable[[Frames, Block], None]]] = {
-    1: Frames._tool_length,
+    1: Frames._tool_offset,
     2: Frames._set_system,
     10: Frames._tool_here,
     11: Frames._tool_at_fixture,

@@ -1,8 +1,9 @@
-"""Comments that speak: (MSG, ...), (DEBUG, ...) and (PRINT, ...).
+"""Comments that speak: (MSG, ...), (DEBUG, ...) and (PRINT, ...), and (ABORT, ...).
 
-DEBUG and PRINT put in parameters: ``#5`` and ``#<name>`` become their value with six
-decimals, or in the format that an earlier ``%d``, ``%f`` (four decimals) or ``%.3f`` asks
-for. Any other comment is silent, including those that write or open log files.
+ABORT ends the program with its text as the reason. All but MSG put in parameters: ``#5`` and
+``#<name>`` become their value with six decimals, or in the format that an earlier ``%d``,
+``%f`` (four decimals) or ``%.3f`` asks for. Any other comment is silent, including those
+that write or open log files.
 """
 
 import re
@@ -19,12 +20,20 @@ UNKNOWN: Final = "######"
 _ACTIVE = re.compile(
     r"\s*(m\s*s\s*g|d\s*e\s*b\s*u\s*g|p\s*r\s*i\s*n\s*t)\s*,(.*)", re.I | re.DOTALL
 )
+_ABORT = re.compile(r"\s*abort,(.*)", re.I | re.DOTALL)
 _PARTS = re.compile(r"%(d|f|\.[0-9]f)|#(?:<([^<>]+)>|([0-9]{1,9}))")
 _FORMATS: Final = {"d": ".0f", "f": ".4f"}
 
 
 def read(comment: str, parameters: Parameters) -> tuple[Kind, str] | None:
-    """Kind and text of a comment that speaks, None for any other."""
+    """Kind and text of a comment that speaks, None for any other.
+
+    Raises:
+        ProgramError: it aborts the program.
+    """
+    abort = _ABORT.match(comment)
+    if abort is not None:
+        raise ProgramError(f"the program aborts itself: {_filled(abort[1], parameters).strip()}")
     match = _ACTIVE.match(comment)
     if match is None:
         return None

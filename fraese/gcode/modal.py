@@ -102,8 +102,8 @@ AXIS_USERS: Final = frozenset({100, 280, 300, 431, 520, 920})
 
 # word -> (codes that use it, how to say so)
 WORD_USERS: Final[dict[str, tuple[frozenset[int], str]]] = {
-    "i": (ARCS, "G2 or G3"),
-    "j": (ARCS, "G2 or G3"),
+    "i": (ARCS | {100}, "G2, G3 or G10"),
+    "j": (ARCS | {100}, "G2, G3 or G10"),
     "k": (ARCS, "G2 or G3"),
     "r": (ARCS | CYCLES | {100}, "an arc, a canned cycle or G10"),
     "l": (CYCLES | {100}, "a canned cycle or G10"),

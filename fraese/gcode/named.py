@@ -13,7 +13,7 @@ from fraese.gcode.position import LETTERS, Position
 POSITION: Final = 5420
 TOOL_NUMBER: Final = 5400
 # Of the tool in the spindle, in mm whatever the unit of the program.
-TOOL_LENGTH: Final = 5403
+TOOL_OFFSET: Final = 5401
 TOOL_DIAMETER: Final = 5410
 # The language is that of LinuxCNC 2.9.
 VERSION: Final = (2.9, 0.0)
@@ -41,6 +41,10 @@ def _machine_position(position: Position, axis: int) -> Live:
     return lambda: position.machine[axis] / position.modal.scale_mm
 
 
+def _tool_offset(position: Position, frames: Frames, axis: int) -> Live:
+    return lambda: frames.tool_data(position.modal.tool).offset_mm[axis]
+
+
 def _constant(value: float) -> Live:
     return lambda: value
 
@@ -49,7 +53,7 @@ def _numbered(position: Position, frames: Frames) -> dict[int, Live]:
     modal = position.modal
     return {
         TOOL_NUMBER: lambda: float(modal.tool),
-        TOOL_LENGTH: lambda: frames.tool_data(modal.tool).length_mm,
+        **{TOOL_OFFSET + axis: _tool_offset(position, frames, axis) for axis in range(3)},
         TOOL_DIAMETER: lambda: frames.tool_data(modal.tool).diameter_mm,
         **{POSITION + axis: _program_position(position, axis) for axis in range(3)},
     }

@@ -114,6 +114,26 @@ class Coordinates:
         offset = _difference(_difference(machine, self.tool), turned)
         return {axis: offset[axis] for axis in given}
 
+    def tool_offset_at(
+        self, machine: Point, wanted: dict[int, float], old: Point, fixture: int = 0
+    ) -> Point:
+        """The tool offset with which a machine position reads as ``wanted``, by axis.
+
+        Measured in the active system with G92, or in that of a fixture without. Axes that are
+        not given keep the old offset, as seen in that system.
+        """
+        work, g92, rotation_deg = self.work, self.g92, self.rotation_deg
+        if fixture:
+            first = self.first_parameter(fixture)
+            work, g92 = self.read(first), ORIGIN
+            rotation_deg = self._parameters.get(first + ROTATION)
+        here = _difference(_turn(_difference(machine, work), -rotation_deg), g92)
+        x, y, z = (
+            at - wanted[axis] if axis in wanted else kept
+            for axis, (at, kept) in enumerate(zip(here, _turn(old, -rotation_deg), strict=True))
+        )
+        return _turn((x, y, z), rotation_deg)
+
 
 def _turn(point: Point, angle_deg: float) -> Point:
     if not angle_deg:

@@ -156,8 +156,13 @@ class Flow:
     def _expressions(self, word: OWord) -> list[float]:
         reader = Reader(word.rest, self._parameters)
         values = []
-        while reader.peek() == "[":
-            values.append(reader.expression())
+        # In a call comments may stand in between; all that is left of one is its bracket.
+        starts = "[(" if word.keyword == "call" else "["
+        while (first := reader.peek()) and first in starts:
+            if first == "(":
+                reader.at += 1
+            else:
+                values.append(reader.expression())
         if reader.peek():
             raise ProgramError(
                 f"{reader.rest()[:8]!r} cannot stand behind o<{word.name}> {word.keyword}"

@@ -13,6 +13,13 @@ class ToolData:
 
     length_mm: float = 0.0
     diameter_mm: float = 0.0
+    x_mm: float = 0.0
+    y_mm: float = 0.0
+
+    @property
+    def offset_mm(self) -> Point:
+        """What G43 applies."""
+        return self.x_mm, self.y_mm, self.length_mm
 
 
 @dataclass(frozen=True, slots=True)
