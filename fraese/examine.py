@@ -7,7 +7,9 @@ Rule 3: memory does not grow with the length of the file.
 """
 
 import math
+import multiprocessing
 from collections.abc import Generator, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -205,6 +207,13 @@ def examine(path: Path, context: ProgramContext, *, plan: bool = True) -> Facts:
         lines=source.lines_read,
         blocks=blocks,
     )
+
+
+def examine_apart(path: Path, context: ProgramContext, *, plan: bool = True) -> Facts:
+    """The same in a process of its own, so that this one's threads are not disturbed."""
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(max_workers=1, mp_context=spawn) as pool:
+        return pool.submit(examine, path, context, plan=plan).result()
 
 
 def _planned(translation: Translation, moves: Moves) -> Iterator[Block]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from fraese.context import ProgramContext
 from fraese.controller import Controller
 from fraese.errors import LimitError, ProgramError, StateError
-from fraese.examine import Facts, Survey, examine
+from fraese.examine import Facts, Survey, examine, examine_apart
 from fraese.fromline import in_words, safe_z, skip_to
 from fraese.gcode import canon
 from fraese.gcode.text import read_lines
@@ -20,6 +20,8 @@ from fraese.translate import Translation
 
 #: Lines shown to people; behind that the text is cut.
 _MOST_SHOWN_LINES = 200_000
+#: Smaller files are looked through sooner than a process starts.
+_LARGE_BYTES = 200_000
 
 
 class Program:
@@ -27,11 +29,14 @@ class Program:
 
     Args:
         path: that there is something to read has been seen.
+        apart: look a large file through in a process of its own, so that an app stays awake.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, apart: bool = False) -> None:
         self.path = path
         self.name = path.name
+        self._apart = apart
+        self._facts: Facts | None = None
 
     @cached_property
     def lines(self) -> Sequence[str]:
@@ -55,11 +60,14 @@ class Program:
             ProgramError: if a line is refused.
             LimitError: if it leaves the travel.
         """
-        facts = examine(self.path, controller.program_context(), plan=plan)
+        large = self.path.stat().st_size > _LARGE_BYTES
+        look = examine_apart if self._apart and large else examine
+        facts = look(self.path, controller.program_context(), plan=plan)
         for refused in facts.errors:
             raise ProgramError(refused.message, refused.line, str(self.path))
         for outside in facts.outside:
             raise LimitError(f"{self.path}, line {outside.line}: {outside.message}")
+        self._facts = facts
         return facts
 
     @logged
@@ -70,12 +78,13 @@ class Program:
 
         Args:
             controller: the machine.
-            facts: from ``check``, for the progress.
+            facts: for the progress; None: from the last ``check``, if there was one.
             from_line: begin there; what lies before is only read.
 
         Raises:
             StateError: if the machine is not ready, or may not run unreferenced.
         """
+        facts = facts or self._facts
         context = controller.program_context()
         _require_reference(context)
         controller.check_moves([])
@@ -153,11 +162,15 @@ def _require_reference(context: ProgramContext) -> None:
         )
 
 
-def open_program(path: Path) -> Program:
+def open_program(path: Path, *, apart: bool = False) -> Program:
     """A program that can be read.
+
+    Args:
+        path: the file.
+        apart: see ``Program``.
 
     Raises:
         ProgramError: if there is nothing to read.
     """
     require_readable(path)
-    return Program(path)
+    return Program(path, apart=apart)

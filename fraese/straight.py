@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from fraese.blocks import Block, Watch
 from fraese.jobs import Job
-from fraese.machine import Steps
+from fraese.machine import Machine, Steps
 from fraese.planner.backlash import take_up
 from fraese.planner.lines import plan_line
 from fraese.whereabouts import Whereabouts
@@ -29,21 +29,20 @@ def line_blocks(
         feed_mm_min: along the line; None: as fast as the axes can.
         watch: condition while it plays; then only one axis may move.
     """
-    machine, slack = whereabouts.machine, _slack_taken_up(whereabouts, delta)
+    machine = whereabouts.machine
+    turned = _taken_up(machine, whereabouts.slack_steps, delta)
     if watch is not None:
-        whole = tuple(n + extra for n, extra in zip(delta, slack, strict=True))
+        whole = tuple(n + extra for n, extra in zip(delta, turned, strict=True))
         yield from _made(plan_line(machine, whole, feed_mm_min, watch=watch))
         return
-    yield from _made(plan_line(machine, slack))
+    yield from _made(plan_line(machine, turned))
     yield from _made(plan_line(machine, delta, feed_mm_min))
 
 
 def slack_after(whereabouts: Whereabouts, delta: Steps) -> Steps:
     """Backlash between motor and carriage after such a line."""
-    taken_up = _slack_taken_up(whereabouts, delta)
-    return tuple(
-        slack - taken for slack, taken in zip(whereabouts.slack_steps, taken_up, strict=True)
-    )
+    before = whereabouts.slack_steps
+    return _difference(before, _taken_up(whereabouts.machine, before, delta))
 
 
 def line(
@@ -78,20 +77,25 @@ def line_to(
 
 def curve(whereabouts: Whereabouts, targets: Sequence[Steps], feed_mm_min: float | None) -> Job:
     """Straight lines through machine positions; each block is tagged with its number, from 1."""
-    here = whereabouts.position_steps
+    machine = whereabouts.machine
+    here, slack = whereabouts.position_steps, whereabouts.slack_steps
     for number, target in enumerate(targets, start=1):
         delta, here = _difference(target, here), target
-        block = plan_line(whereabouts.machine, delta, feed_mm_min, tag=number)
-        if block is not None:
-            yield block
+        turned = _taken_up(machine, slack, delta)
+        slack = _difference(slack, turned)
+        for block in (
+            plan_line(machine, turned, tag=number),
+            plan_line(machine, delta, feed_mm_min, tag=number),
+        ):
+            if block is not None:
+                yield block
 
 
-def _slack_taken_up(whereabouts: Whereabouts, delta: Steps) -> Steps:
+def _taken_up(machine: Machine, slack_steps: Steps, delta: Steps) -> Steps:
+    """Motor steps until the carriages follow in the directions of a line."""
     return tuple(
         take_up(slack, axis.backlash_steps, n)
-        for slack, axis, n in zip(
-            whereabouts.slack_steps, whereabouts.machine.axes, delta, strict=True
-        )
+        for slack, axis, n in zip(slack_steps, machine.axes, delta, strict=True)
     )
 
 

@@ -8,6 +8,7 @@ import pytest
 from fraese.assembly import Plant
 from fraese.errors import LimitError, ProgramError, StateError
 from fraese.motor.seams import CONTROL
+from fraese.program import open_program
 from fraese.state import Status
 
 from .helpers import (
@@ -573,3 +574,29 @@ def test_a_stop_while_the_job_steps_aside_is_not_lost(tmp_path: Path) -> None:
     driver.flush = flush_after_a_stop  # type: ignore[method-assign]
     assert made.controller.run() is Status.CANCEL
     assert made.controller.state().position_mm[2] == -10
+
+
+def test_a_large_file_is_looked_through_in_a_process_of_its_own(tmp_path: Path) -> None:
+    made = homed()
+    text = "G21 G90 F900\n" + "G1 X10 Y10\nG1 X20 Y5\n" * 10_000 + "M2\n"
+    part = program(tmp_path, text)
+    apart = open_program(part.path, apart=True)
+    assert apart.check(made.controller) == part.check(made.controller)
+    with pytest.raises(ProgramError, match=r"part\.ngc, line 20002: "):
+        open_program(program(tmp_path, text.replace("M2", "G1 X[1/0]")).path, apart=True).check(
+            made.controller
+        )
+
+
+def test_a_frame_takes_up_backlash(tmp_path: Path) -> None:
+    made = homed(axes=axes(backlash_mm="0.1"), simulation={"backlash_mm": 0.1})
+    program(tmp_path, SQUARE).drive_frame(made.controller)
+    assert made.controller.run() is Status.OK
+    there = made.controller.state().position_steps
+    program(tmp_path, SQUARE).drive_frame(made.controller)
+    assert made.controller.run() is Status.OK
+    assert made.controller.state().position_steps == there == (0, 0, 0)
+    made.controller.run_curve([(3, 2, -1), (1, 1, -1), (2, 0.5, -1)])
+    assert made.controller.run() is Status.OK
+    assert made.controller.state().position_mm == (2, 0.5, -1)
+    assert carriages(made)[:2] == (400 + 400, 400 + 100)

@@ -1,6 +1,7 @@
 """The command line: the composition root."""
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -61,7 +62,7 @@ def _run_app(plant: Plant, program: Path | None) -> int:
     try:
         FraeseApp(
             plant.controller,
-            open_program=open_program,
+            open_program=partial(open_program, apart=True),
             notes=plant.notes,
             before_motion=lambda: plant.save(moving=True),
             program=program,
