@@ -7,9 +7,10 @@ Rule 3: memory does not grow with the length of the file.
 """
 
 import math
-import multiprocessing
+import pickle
+import subprocess
+import sys
 from collections.abc import Generator, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -210,10 +211,29 @@ def examine(path: Path, context: ProgramContext, *, plan: bool = True) -> Facts:
 
 
 def examine_apart(path: Path, context: ProgramContext, *, plan: bool = True) -> Facts:
-    """The same in a process of its own, so that this one's threads are not disturbed."""
-    spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(max_workers=1, mp_context=spawn) as pool:
-        return pool.submit(examine, path, context, plan=plan).result()
+    """The same in a process of its own, so that this one's threads are not disturbed.
+
+    A plain subprocess: under an app, which has taken the terminal's streams, a pool cannot start.
+
+    Raises:
+        ProgramError: if the process died.
+    """
+    done = subprocess.run(
+        [sys.executable, "-c", f"from {__name__} import answer; answer()"],
+        input=pickle.dumps((path, context, plan)),
+        capture_output=True,
+        check=False,
+    )
+    if done.returncode:
+        raise ProgramError("looking it through ended unexpectedly; try again", file=str(path))
+    facts: Facts = pickle.loads(done.stdout)
+    return facts
+
+
+def answer() -> None:
+    """The other side of ``examine_apart``: a question on standard input, facts on its output."""
+    path, context, plan = pickle.load(sys.stdin.buffer)
+    pickle.dump(examine(path, context, plan=plan), sys.stdout.buffer)
 
 
 def _planned(translation: Translation, moves: Moves) -> Iterator[Block]:
