@@ -103,6 +103,7 @@ class Block(NamedTuple):
         ends_at_rest: the plan is at or below the start/stop rate at the last tick.
         watch: condition while this block plays.
         outputs: change of free outputs at the first tick.
+        override_q8: feed override that it was planned with, 256 for 100 %; 0: none acts on it.
         tag: whatever the maker wants to see in reports while the block plays (a line number).
     """
 
@@ -115,10 +116,16 @@ class Block(NamedTuple):
     watch: Watch | None = None
     outputs: Outputs | None = None
     tag: int = 0
+    override_q8: int = 0
 
     def ticks(self) -> int:
         """Number of ticks, over all pieces."""
         return sum(piece.ticks for piece in self.pieces)
+
+    def top_rate_q8(self) -> int:
+        """The highest rate of its plan."""
+        ends = (q8 for p in self.pieces if p.ticks for q8 in (p.interval_q8, p.last_interval_q8()))
+        return RATE_Q8_CYCLES // max(1, min(ends) >> 8)
 
     def duration_cycles(self) -> int:
         """Time of the plan, in cycles, if nothing throttles it."""

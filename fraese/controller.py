@@ -255,13 +255,16 @@ class Controller:
             self.log.switch(on)
 
     def set_override(self, factor: float) -> None:
-        """Feed override, 0.1 to 2; acts on what is not in the driver's queue yet. Any thread.
+        """Feed override, 0.1 to 2; from any thread.
+
+        A lower one acts at once, a higher one on what is not in the driver's queue yet.
 
         Raises:
             LimitError: if it is outside.
         """
         limits.require_override(factor)
         self.override = factor
+        self._driver.set_override(factor)
 
     def drive_points(
         self,

@@ -79,7 +79,8 @@ class Translation:
     def _apply_override(self) -> None:
         if self._controller is not None:
             self._override = self._controller.override
-            self.planner.set_override(self._override if self._may_override else 1.0)
+            factor = self._override if self._may_override else 1.0
+            self.planner.set_override(factor, acts=self._may_override)
 
     # --- moves ---------------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ Rule 2: a report is made of what each part knows at that moment; nothing is kept
 Rule 3: on the way out the motors are off and the port is given back, whatever goes wrong.
 """
 
-from fraese.blocks import Block
+from fraese.blocks import Q8, Block
 from fraese.motor.run import Run
 from fraese.motor.seams import Card, Clock, Ended, IdleLevel, Port, Report, SwitchMode
 from fraese.motor.switches import SwitchInput
@@ -59,6 +59,10 @@ class MotorCore:
     def brake(self) -> None:
         """Close the throttle; the queue stays. From any thread."""
         self._requests.brake()
+
+    def set_override(self, factor: float) -> None:
+        """Play what was planned with a higher feed override no faster. From any thread."""
+        self._requests.override(round(factor * Q8))
 
     def stop(self) -> None:
         """Finish the tick in hand, drop the rest. From any thread."""

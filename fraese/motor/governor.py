@@ -3,6 +3,7 @@
 Rule 1: nothing changes path or plan. Brake, hold, resume and a dry queue work the throttle.
 Rule 2: it closes on a brake, and when what is queued no longer suffices to stop from the present
         rate; it opens on resume, and when blocks come that it was closed for want of.
+        A feed override that was lowered after a block was planned is a ceiling for that block.
 Rule 3: an interval that was waited for, but not to its end, is chosen anew only if the throttle
         closes meanwhile: at a low rate it may be a long one.
 Rule 4: where the throttle is open and the queue cannot run dry, it is calm: the ticks are played
@@ -42,6 +43,7 @@ class Governor:
         self._throttle = Throttle()
         self._dry = False
         self._exit_cycles = 0
+        self._top_rate_q8 = 0
         self.awaited_cycles = 0
         self.dry_queues = 0
 
@@ -80,8 +82,21 @@ class Governor:
                 self._open()
         else:
             self._throttle.dwell()
-        if not self._queue.resting_blocks:
+        self._top_rate_q8 = 0
+        if not self._queue.resting_blocks or self._is_limited(cursor):
             self._requests.calm = False
+
+    def _is_limited(self, cursor: Cursor) -> bool:
+        """The override was lowered since this block was planned."""
+        return cursor.block.override_q8 > self._requests.override_q8
+
+    def _ceiling_q8(self, cursor: Cursor) -> int:
+        if not self._is_limited(cursor):
+            return 0
+        if not self._top_rate_q8:
+            self._top_rate_q8 = cursor.block.top_rate_q8()
+        planned_q8 = cursor.block.override_q8
+        return max(1, self._top_rate_q8 * self._requests.override_q8 // planned_q8)
 
     def leave(self, cursor: Cursor) -> None:
         """A block has ended: the next one's rate is scaled from here."""
@@ -107,6 +122,7 @@ class Governor:
         if requests.stop_wanted:
             return NO_TICK
         state = throttle.state
+        throttle.ceiling_q8 = self._ceiling_q8(cursor)
         if requests.brake_wanted:
             requests.brake_wanted = self._dry = False
             self._close()
@@ -118,7 +134,7 @@ class Governor:
             cycles, self.awaited_cycles = self.awaited_cycles, 0
             return cycles
         cycles = plan_cycles
-        if throttle.state is not _OPEN:
+        if throttle.state is not _OPEN or throttle.ceiling_q8:
             cycles = throttle.interval(plan_cycles, last_cycles)
         if throttle.state is not state and cycles >= 0:
             self.show_ramp(cursor)

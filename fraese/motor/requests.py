@@ -1,12 +1,13 @@
 """What is wanted of the run: to brake, to stop, and what for.
 
-Rule 1: only ``brake`` and ``stop`` may be called from any thread. They set one flag each, and
+Rule 1: ``brake``, ``stop`` and ``override`` may be called from any thread. They set one flag, and
         then disturb the calm.
 Rule 2: while it is calm, ticks are played as planned without a look at throttle and flags.
         Whoever makes it calm reads the flags after that: one may have been set in between.
 Rule 3: a wish stands until the run has acted on it.
 """
 
+from fraese.blocks import Q8
 from fraese.motor.seams import Ended
 
 
@@ -18,15 +19,19 @@ class Requests:
         brake_wanted: close the throttle.
         stop_wanted: play no further tick,
         stop_reason: and say that it was for this.
+        override_q8: feed override wanted now, 256 for 100 %.
         drop_when_still: the queue is dropped when the throttle has closed: a watch was fulfilled
             above the start/stop rate.
     """
 
-    __slots__ = ("brake_wanted", "calm", "drop_when_still", "stop_reason", "stop_wanted")
+    __slots__ = (
+        "brake_wanted", "calm", "drop_when_still", "override_q8", "stop_reason", "stop_wanted",
+    )  # fmt: skip
 
     def __init__(self) -> None:
         self.calm = True
         self.brake_wanted = False
+        self.override_q8 = Q8
         self.stop_wanted = False
         self.stop_reason = Ended.STOP
         self.drop_when_still = False
@@ -39,6 +44,11 @@ class Requests:
     def stop(self) -> None:
         """Finish the tick in hand, drop the rest. From any thread."""
         self.stop_wanted = True
+        self.calm = False
+
+    def override(self, override_q8: int) -> None:
+        """Limit what was planned with a higher one. From any thread."""
+        self.override_q8 = override_q8
         self.calm = False
 
     def stop_for(self, reason: Ended) -> None:

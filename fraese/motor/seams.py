@@ -200,7 +200,7 @@ class SwitchMode(Enum):
 class StepDriver(Protocol):
     """Plays blocks and says what was really done.
 
-    Only ``brake`` and ``stop`` may be called from any thread: they set one flag.
+    Only ``brake``, ``stop`` and ``set_override`` may be called from any thread: they set one flag.
 
     Raises:
         PortError: from every method, when the metal is not reachable.
@@ -217,6 +217,9 @@ class StepDriver(Protocol):
 
     def resume(self) -> None:
         """Open the throttle again."""
+
+    def set_override(self, factor: float) -> None:
+        """Play what was planned with a higher feed override no faster than with this one."""
 
     def flush(self) -> None:
         """Drop the queue.

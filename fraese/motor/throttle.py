@@ -15,7 +15,8 @@ Rule 2: the rate changes in slices: after at least ``SLICE_CYCLES`` of played ti
         millisecond for the division.
 Rule 3: below or at the block's start/stop rate a closing throttle holds: the next tick is not
         played. An opening one starts at that rate.
-Rule 4: at a junction the throttle's rate is scaled by next.entry / this.exit, both as planned,
+Rule 4: a lowered feed override is a ceiling: closing, but only down to it; it follows the block.
+Rule 5: at a junction the throttle's rate is scaled by next.entry / this.exit, both as planned,
         so that the path speed stays what it was.
 Rule 5: a dwell has no rate: motors stand in it. An opening throttle is open there.
 """
@@ -43,13 +44,20 @@ class ThrottleState(Enum):
     CLOSING = auto()
     HELD = auto()
     OPENING = auto()
+    #: A ceiling is below the plan: a feed override was lowered.
+    LIMITED = auto()
 
 
 class Throttle:
-    """State and integers of the throttle; the driver asks it for every interval unless open."""
+    """State and integers of the throttle; the driver asks it for every interval unless open.
+
+    Attributes:
+        ceiling_q8: rate above which the present block is not to be played; 0: none.
+    """
 
     def __init__(self) -> None:
         self.state = ThrottleState.OPEN
+        self.ceiling_q8 = 0
         self._rate_q8 = 0
         self._slice_cycles = 0
         self._accel_q = 1
@@ -67,7 +75,7 @@ class Throttle:
     def dwell(self) -> None:
         """No motor moves in the block that plays now: it can be held and taken up at any rate."""
         self._jump_rate_q8 = _ANY_RATE_Q8
-        if self.state is ThrottleState.OPENING:
+        if self.state in (ThrottleState.OPENING, ThrottleState.LIMITED):
             self.state = ThrottleState.OPEN
 
     def junction(self, exit_cycles: int, entry_cycles: int) -> None:
@@ -111,6 +119,7 @@ class Throttle:
             plan_cycles: what the plan wants.
             last_cycles: what the previous tick took; 0 after a standstill.
         """
+        self._mind_ceiling(last_cycles)
         self._slice_cycles += last_cycles
         if self._slice_cycles >= SLICE_CYCLES:
             self._move()
@@ -118,7 +127,8 @@ class Throttle:
             self.hold()
         if self.state is ThrottleState.HELD:
             return -1
-        self._rate_q8 = max(self._rate_q8, self._jump_rate_q8)
+        if self.state is not ThrottleState.LIMITED:
+            self._rate_q8 = max(self._rate_q8, self._jump_rate_q8)
         cycles = RATE_Q8_CYCLES // self._rate_q8
         if cycles > plan_cycles:
             return cycles
@@ -129,6 +139,29 @@ class Throttle:
             self._rate_q8 = RATE_Q8_CYCLES // plan_cycles
         return plan_cycles
 
+    def _mind_ceiling(self, last_cycles: int) -> None:
+        """A ceiling has come, or has gone."""
+        if not self.ceiling_q8:
+            if self.state is ThrottleState.LIMITED:
+                self.state = ThrottleState.OPENING
+        elif self.state is ThrottleState.OPEN:
+            self.state = ThrottleState.LIMITED
+            self._rate_q8 = RATE_Q8_CYCLES // last_cycles if last_cycles else self._jump_rate_q8
+            self._slice_cycles = 0
+            self._approach_ceiling(0)
+        elif self.state is ThrottleState.OPENING and self._rate_q8 >= self.ceiling_q8:
+            self.state = ThrottleState.LIMITED
+
+    def _approach_ceiling(self, change: int) -> None:
+        """With the acceleration; below the start/stop rate at once."""
+        ceiling, jump = self.ceiling_q8, self._jump_rate_q8
+        if self._rate_q8 > ceiling:
+            lower = max(self._rate_q8 - change, ceiling)
+            self._rate_q8 = ceiling if lower <= jump else lower
+        else:
+            self._rate_q8 = min(ceiling, max(self._rate_q8 + change, jump))
+        self._rate_q8 = max(1, self._rate_q8)
+
     def _move(self) -> None:
         change = self._accel_q * self._slice_cycles >> 16
         self._slice_cycles = 0
@@ -136,3 +169,5 @@ class Throttle:
             self._rate_q8 = max(0, self._rate_q8 - change)
         elif self.state is ThrottleState.OPENING:
             self._rate_q8 += change
+        elif self.state is ThrottleState.LIMITED:
+            self._approach_ceiling(change)

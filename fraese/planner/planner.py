@@ -16,7 +16,7 @@ Rule 4: memory does not grow with the length of the program, nor with that of an
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
-from fraese.blocks import Block, Outputs, Watch, dwell
+from fraese.blocks import Q8, Block, Outputs, Watch, dwell
 from fraese.machine import Machine, Steps
 from fraese.planner.arcs import Point, arc_shape
 from fraese.planner.lookahead import Window
@@ -278,11 +278,12 @@ class Planner:
         self._window.stand()
         return blocks
 
-    def set_override(self, factor: float) -> None:
+    def set_override(self, factor: float, *, acts: bool = True) -> None:
         """Scale the feeds (not the rapids) of all segments that are not final.
 
         Args:
             factor: 0.1 to 2.
+            acts: whether the driver may lower it later for blocks that are final (not with M49).
 
         Raises:
             ValueError: if it is outside.
@@ -290,6 +291,7 @@ class Planner:
         if not 0.1 <= factor <= 2:
             raise ValueError("a feed override is 10 to 200 %")
         self._override = self._targets.override = factor
+        self._maker.override_q8 = round(factor * Q8) if acts else 0
         self._window.set_override(factor)
 
     def reset(self, position_steps: Steps, slack_steps: Steps | None = None) -> None:

@@ -10,7 +10,7 @@ from typing import Final
 from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece
 from fraese.machine import Machine
 from fraese.planner.ramps import interval_q8, time_law
-from fraese.planner.segments import Segment
+from fraese.planner.segments import UNLIMITED, Segment
 
 #: Path energy is counted in (mm / 65536 / s)**2, an integer for every machine.
 WEIGHT_PER_MM2: Final = 65536**2
@@ -33,6 +33,8 @@ class BlockMaker:
     def __init__(self, machine: Machine) -> None:
         self._signs = tuple(axis.motor_sign for axis in machine.axes)
         self._straight = self._signs == (1, 1, 1)
+        #: Feed override that segments are planned with, 256 for 100 %; 0: none acts.
+        self.override_q8 = Q8
 
     def block(
         self, segment: Segment, entry_mm2_s2: float, cruise_mm2_s2: float, exit_mm2_s2: float
@@ -78,6 +80,7 @@ class BlockMaker:
                 segment.watch,
                 segment.outputs,
                 segment.tag,
+                0 if segment.feed_mm_s == UNLIMITED else self.override_q8,
             ),
         )
         return block
