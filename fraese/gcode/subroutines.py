@@ -13,6 +13,8 @@ from fraese.gcode.words import plain
 
 # A subroutine's body is held in memory; this is far beyond any that a person wrote.
 MAX_BODY: Final = 200_000
+# One subprogram may run into the next, so that lines are held for each: this many in all.
+MAX_NUMBERED: Final = 1_000_000
 _FILE_NAME = re.compile(r"[a-z0-9_+-][a-z0-9_.+-]*")
 
 
@@ -29,6 +31,8 @@ class Sub:
 Label = Callable[[str], tuple[str, str] | None]
 # The keyword of an O-word that stands alone on its line, as the name of a program does.
 PROGRAM_NUMBER: Final = ""
+# What a subroutine or subprogram begins with.
+HEADS: Final = ("sub", PROGRAM_NUMBER)
 
 
 # Reads a body whose head was passed just now.
@@ -44,6 +48,11 @@ class Library:
         self._folders = folders
         self._subs: dict[str, Sub] = {}
         self._numbered: dict[str, Sub] = {}
+        # What was seen when looking ahead: lines by name and keyword, and the last line of all.
+        # Lines that were seen but not yet passed are still with the program.
+        self._ahead: dict[tuple[str, str], list[int]] = {}
+        self._seen = 0
+        self._numbered_lines = 0
 
     def define(self, name: str, source: Source) -> None:
         """Take in the subroutine whose ``sub`` line was read from the source just now.
@@ -109,13 +118,29 @@ class Library:
         program = self._program
         place = program.hold()
         try:
-            for text in _lines(program):
-                if self._label(text) == (name, keyword):
-                    return body(name, program)
+            if not self._go_to_label((name, keyword), place):
+                return None
+            return body(name, program)
         finally:
             program.back(place)
             program.release()
-        return None
+
+    def _go_to_label(self, wanted: tuple[str, str], place: int) -> bool:
+        """Whether a label follows the place; if so, the program stands behind it."""
+        program = self._program
+        for line in self._ahead.get(wanted, ()):
+            if line > place:
+                program.back(line)
+                return True
+        program.back(max(place, self._seen))
+        for text in _lines(program):
+            self._seen = program.line
+            label = self._label(text)
+            if label is not None and label[1] in HEADS:
+                self._ahead.setdefault(label, []).append(program.line)
+                if label == wanted:
+                    return True
+        return False
 
     def _body(self, name: str, source: Source) -> Sub:
         first = source.line + 1
@@ -131,20 +156,31 @@ class Library:
         )
 
     def _numbered_body(self, name: str, source: Source) -> Sub:
-        """All lines from here to an M99 that another number follows; M99 may come before."""
+        """All lines from here to an M99 that another head follows; M99 may come before."""
         first = source.line + 1
         lines: list[str] = []
         over = False
         for text in _lines(source):
-            label = self._label(text)
-            if over and label is not None and label[1] == PROGRAM_NUMBER:
-                break
-            code = "" if text.lstrip()[:1] in ("(", ";") else plain(text)
-            over = code.startswith("m99") if code.strip("(") else over
+            if over:
+                label = self._label(text)
+                if label is not None and label[1] in HEADS:
+                    break
+            if over or "99" in text:
+                code = _plain(text)
+                over = code.startswith("m99") if code else over
             lines.append(text)
-            if len(lines) > MAX_BODY:
-                raise ProgramError(f"subprogram O{name} is longer than {MAX_BODY} lines")
+            if self._numbered_lines + len(lines) > MAX_NUMBERED:
+                raise ProgramError(f"the subprograms from O{name} on are too long without M99")
+        self._numbered_lines += len(lines)
         return Sub(source.file, first, tuple(lines))
+
+
+def _plain(text: str) -> str:
+    """What a line says without its comments; nothing where it is malformed."""
+    try:
+        return plain(text).strip("(")
+    except ProgramError:
+        return ""
 
 
 def _lines(source: Source) -> Iterator[str]:

@@ -94,6 +94,25 @@ def test_a_tap_lets_no_override_slip_in() -> None:
     assert [move.direction for move in tapping if isinstance(move, Spindle)] == [1, -1, 1, 0]
 
 
+def test_many_subprograms_behind_the_program_are_looked_for_once() -> None:
+    numbers = range(1, 1201)
+    calls = [f"m98 p{n} | o<s{n}> call" for n in numbers]
+    bodies = [f"o{n} | g0 x{n} | m99 | o<s{n}> sub | g0 y{n} | o<s{n}> endsub" for n in numbers]
+    ends = moves("|".join((*calls, "m30", *reversed(bodies))))
+    assert [move.to[:2] for move in ends if isinstance(move, Rapid)][-2:] == [
+        (1200, 1199),
+        (1200, 1200),
+    ]
+
+
+def test_subprograms_that_run_into_each_other_are_bounded() -> None:
+    numbers = range(1, 30)
+    lines = [f"m98 p{n}" for n in numbers]
+    lines += ["m30", *(f"o{n}" for n in numbers), *["(nothing)"] * 60_000, "m99"]
+    with pytest.raises(ProgramError, match="too long without M99"):
+        moves("|".join(lines), max_idle_lines=10_000_000)
+
+
 def test_no_line_is_read_before_it_is_needed() -> None:
     read = 0
 
