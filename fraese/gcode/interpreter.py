@@ -144,13 +144,16 @@ class Interpreter:
         if "(" in text or ";" in text:
             text, comment = words.strip_comments(text)
         text = words.squeeze(text)
-        if text[:1] == "/":
+        first = text[:1]
+        if first == "/":
             if self.setup.block_delete:
                 return ()
             text = text[1:]
-        if text[:1] == "n":
+            first = text[:1]
+        if first == "n":
             text = words.strip_line_number(text)
-        if text[:1] == "o" or (text[:2] == "m9" and SUBPROGRAM.match(text)):
+            first = text[:1]
+        if first == "o" or (first == "m" and SUBPROGRAM.match(text)):
             return self._o_word(text)
         if not text and not comment:
             return ()

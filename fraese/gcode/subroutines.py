@@ -31,6 +31,8 @@ class Sub:
 Label = Callable[[str], tuple[str, str] | None]
 # The keyword of an O-word that stands alone on its line, as the name of a program does.
 PROGRAM_NUMBER: Final = ""
+# What a subroutine or subprogram begins with.
+HEADS: Final = ("sub", PROGRAM_NUMBER)
 
 
 # Reads a body whose head was passed just now.
@@ -134,7 +136,7 @@ class Library:
         for text in _lines(program):
             self._seen = program.line
             label = self._label(text)
-            if label is not None and label[1] in ("sub", PROGRAM_NUMBER):
+            if label is not None and label[1] in HEADS:
                 self._ahead.setdefault(label, []).append(program.line)
                 if label == wanted:
                     return True
@@ -154,14 +156,14 @@ class Library:
         )
 
     def _numbered_body(self, name: str, source: Source) -> Sub:
-        """All lines from here to an M99 that another number follows; M99 may come before."""
+        """All lines from here to an M99 that another head follows; M99 may come before."""
         first = source.line + 1
         lines: list[str] = []
         over = False
         for text in _lines(source):
             if over:
                 label = self._label(text)
-                if label is not None and label[1] == PROGRAM_NUMBER:
+                if label is not None and label[1] in HEADS:
                     break
             if over or "99" in text:
                 code = _plain(text)

@@ -17,6 +17,9 @@ from fraese.gcode.parameters import Parameters
 
 _WORDS = re.compile(r"([a-z])([-+]?[0-9.]{1,40}(?![0-9.]))|(.+)", re.DOTALL)
 _LINE_NUMBER = re.compile(r"n[0-9]+(?:\.[0-9]*)?")
+# How other controls branch, and what only a sender says to its controller.
+_FOREIGN: Final = ("if[", "while[", "goto", "end")
+_GRBL: Final = re.compile(r"\$(?![-+0-9.#\[])")
 # Stands for a comment inside a line, so that what it divides is not joined.
 _MARK: Final = "("
 
@@ -179,6 +182,10 @@ class BlockReader:
         first = text[0]
         if first == _MARK:
             return text[1:]
+        if text.startswith(_FOREIGN):
+            raise ProgramError("IF, WHILE, GOTO and END are not known without O: o<name> if [...]")
+        if _GRBL.match(text):
+            raise ProgramError("'$' without a number is a command to grbl, not a line of a program")
         reader = Reader(text, self._parameters, 1)
         if first == "#":
             reader.at = 0

@@ -105,12 +105,13 @@ def test_many_subprograms_behind_the_program_are_looked_for_once() -> None:
     ]
 
 
-def test_subprograms_that_run_into_each_other_are_bounded() -> None:
+def test_subprograms_that_run_into_each_other_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fraese.gcode.subroutines.MAX_NUMBERED", 10_000)
     numbers = range(1, 30)
-    calls = "|".join(f"m98 p{n}" for n in numbers)
-    bodies = "|".join(f"o{n} | g0 x{n}" for n in numbers)
+    lines = [f"m98 p{n}" for n in numbers]
+    lines += ["m30", *(f"o{n}" for n in numbers), *["(nothing)"] * 600, "m99"]
     with pytest.raises(ProgramError, match="too long without M99"):
-        moves(f"{calls} | m30 | {bodies}" + "| g0 x0" * 60_000 + "| m99")
+        moves("|".join(lines))
 
 
 def test_no_line_is_read_before_it_is_needed() -> None:
