@@ -130,6 +130,11 @@ class FraeseApp(MachineApp):
         elif self._moving:
             self._controller.hold()
 
+    def action_override(self, by_percent: int) -> None:
+        """Feed override up or down, or (0) as programmed."""
+        percent = round(self._controller.override * 100) + by_percent if by_percent else 100
+        self._controller.set_override(min(max(percent, 10), 200) / 100)
+
     def action_acknowledge(self) -> None:
         """Take note of an error."""
         if self._state.status is Status.ERROR:

@@ -192,6 +192,17 @@ LISTED: Final = (
 #: The widths have a line of their own, the path is in another picture.
 UNLISTED: Final = (
     Command(
+        "comma,less_than_sign", ",", "override(-10)", "Slower feed",
+        "Feed override 10 % lower, down to 10 %; acts at once. Rapids keep their speed.", "Program",
+    ),
+    Command(
+        "full_stop,greater_than_sign", ".", "override(10)", "Faster feed",
+        "Feed override 10 % higher, up to 200 %; acts on what is not in the queue yet.", "Program",
+    ),
+    Command(
+        "equals_sign", "=", "override(0)", "Feed as programmed", "Feed override 100 %.", "Program",
+    ),
+    Command(
         "w,plus", "w", "width(1)", "Wider step",
         "The next larger step width, after the largest the smallest; also +.", "Jog",
     ),

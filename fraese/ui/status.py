@@ -92,7 +92,9 @@ class StatusPanel(Vertical):
             "-alarm" if state.switch_ignored else "",
         )
         moving = state.running and state.speed_mm_min > 0
-        self._feed.show(f"{state.speed_mm_min:.0f} mm/min" if moving else "standing")
+        speed = f"{state.speed_mm_min:.0f} mm/min" if moving else "standing"
+        override = "" if state.override == 1 else f"{state.override:.0%}  "
+        self._feed.show(override + speed)
         self._motors.show(
             "motors on" if state.energised else "motors off", "" if state.energised else "-weak"
         )

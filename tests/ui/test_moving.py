@@ -359,3 +359,20 @@ def test_motion_is_announced_first_and_may_be_refused() -> None:
             assert b.moved_steps == (0, 0, 0)
 
     play(scene)
+
+
+def test_the_feed_override_follows_its_keys() -> None:
+    async def scene() -> None:
+        async with bench(size=(80, 24)) as b:
+            await b.press("comma", "comma", "comma")
+            assert b.plant.controller.override == pytest.approx(0.7)
+            await b.pilot.pause(0.2)
+            assert "70%" in str(b.app.screen.query_one("#feed").render())
+            await b.press(*["full_stop"] * 20)
+            assert b.plant.controller.override == 2
+            await b.press("equals_sign")
+            assert b.plant.controller.override == 1
+            await b.press(*["comma"] * 12)
+            assert b.plant.controller.override == pytest.approx(0.1)
+
+    play(scene)
