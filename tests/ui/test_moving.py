@@ -336,8 +336,7 @@ def test_nothing_jogs_while_a_program_runs_or_a_page_is_open() -> None:
             await b.press("s")
             await b.wait(lambda: b.plant.controller.state().running)
             await b.press("pageup", "X")
-            await b.pilot.pause(0.05)
-            assert "The machine runs" in b.text("#message")
+            await b.wait(lambda: "The machine runs" in b.text("#message"))
             await b.press("escape")
             await b.settled()
             assert b.moved_steps[1:] == (0, 0)
@@ -366,8 +365,7 @@ def test_the_feed_override_follows_its_keys() -> None:
         async with bench(size=(80, 24)) as b:
             await b.press("comma", "comma", "comma")
             assert b.plant.controller.override == pytest.approx(0.7)
-            await b.pilot.pause(0.2)
-            assert "70%" in str(b.app.screen.query_one("#feed").render())
+            await b.wait(lambda: "70%" in b.text("#feed"))
             await b.press(*["full_stop"] * 20)
             assert b.plant.controller.override == 2
             await b.press("equals_sign")

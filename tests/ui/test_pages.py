@@ -237,13 +237,12 @@ def test_dialogs_fit_and_escape_closes_them(key: str) -> None:
         async with bench() as b:
             below = b.app.screen
             await b.press(key)
+            await b.wait(lambda: b.app.screen is not below)
             await b.pilot.pause(0.05)
-            assert b.app.screen is not below
             for button in b.app.screen.query(Button):
                 assert button.region.bottom <= 23
             await b.press("escape")
-            await b.pilot.pause(0.05)
-            assert b.app.screen is below
+            await b.wait(lambda: b.app.screen is below)
 
     play(scene)
 
@@ -318,8 +317,7 @@ def test_a_long_message_is_seen_in_full(presses: int) -> None:
             screen = b.app.screen
             assert isinstance(screen, MachineScreen)
             screen.say(sentence)
-            await b.pilot.pause(0.1)
-            assert screen.query_one("#message").size.height == 3
+            await b.wait(lambda: screen.query_one("#message").size.height == 3)
             assert clipped(b) == []
 
     play(scene)
