@@ -1,8 +1,8 @@
 """How many lines of plain G1 the interpreter takes in a second, beside its peers.
 
 Run ``python -m bench.gcode [lines]``. Peers from the package index are measured where they
-are installed (``pip install pygcode gcodeparser`` in an environment of its own), rs274 where
-LinuxCNC is.
+are installed (``pip install '.[bench]'`` in an environment of its own), rs274 where LinuxCNC
+is.
 """
 
 import importlib
