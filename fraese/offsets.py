@@ -20,7 +20,7 @@ class WorkOffsets:
     """The persistent parameters of the language, and what they mean for the position.
 
     Attributes:
-        parameters: by number; changed in place by a program that ended.
+        parameters: by number; a program that ends leaves new ones.
     """
 
     def __init__(self, axes: int) -> None:
