@@ -29,12 +29,13 @@
 
 #define PIN_STATUS PINF
 #define STATUS_PINS 0x1F
-#define STATUS_PULL_UPS 0x1F
+#define EXTRA_REST 0x00
 
 static inline void board_directions(void)
 {
     DDRA = 0xFF;
     DDRC = 0x0F;
+    PORTF = STATUS_PINS; /* pull-ups */
 }
 
 #endif

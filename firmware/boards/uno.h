@@ -40,7 +40,7 @@
 /* Status lines as they are in PINC: bit 0 is pin 11, then 10, 12, 13, 15. */
 #define PIN_STATUS PINC
 #define STATUS_PINS 0x1F
-#define STATUS_PULL_UPS 0x1F
+#define EXTRA_REST 0x1F /* pull-ups of the status lines */
 
 static inline void board_directions(void)
 {

@@ -1,0 +1,75 @@
+/* The player: the timer interrupt that plays the block in hand, beat after beat.
+ *
+ *      previous beat's interrupt                 this beat's interrupt
+ *   ---| writes | readings | next bytes |~~~~~~~~~~| wait out | writes | ...
+ *                made out, compare set  |          |          |
+ *                                    main loop   EARLY       due
+ *
+ * Rule 1: the compare match comes EARLY_CYCLES before a write is due; the rest is waited out to the
+ *         cycle, so neither the instruction that was interrupted nor a locked stretch of the main
+ *         loop is seen on the pins. At the deadline only the writes remain.
+ * Rule 2: a beat without a step has no interrupt of its own.
+ * Rule 3: an interval is chosen when its predecessor's last beat was written (with clock lines: when
+ *         they have fallen). From then on the tick is in hand and will be finished.
+ * Rule 4: a wait of more than FAR_CYCLES goes in hops. A brake or stop is seen at a hop, and if no
+ *         beat of the tick was played, its interval is chosen anew.
+ * Rule 5: a write that comes late by more than a sixteenth of its interval moves all that follows;
+ *         from a quarter on it is counted. Nothing is ever caught up by a shorter interval.
+ * Rule 6: what the main loop owes (a piece, a block) and has not ready is waited for with the timer
+ *         stopped: `starved`.
+ */
+#ifndef PLAYER_H
+#define PLAYER_H
+
+#include "state.h"
+
+/* Why the player has stopped its timer. */
+enum halt { PLAYING, AT_END, AT_STOP, AT_HOLD, STARVED };
+
+struct player {
+    struct block *block; /* in hand, or 0 */
+    ticks_t done;        /* its ticks played */
+    ticks_t piece_end;
+    uint32_t interval_q8;
+    int32_t add_q8;
+    uint32_t cycles;      /* interval of the tick in hand, as chosen */
+    uint32_t last_cycles; /* what the last tick took; 0 at rest */
+    uint16_t due;         /* low half of the time of the next write */
+    uint8_t beats_left;
+    uint8_t beat_shift;
+    uint32_t beat_cycles;
+    uint32_t lag_cycles;  /* by which the last beat is longer than the others */
+    uint8_t moved;        /* motors moved in the tick in hand */
+    bool piece_is_last;
+    bool from_rest;       /* the next block is the first of a run */
+    bool fall_next;       /* clock lines are away from rest */
+    uint32_t fall_cycles; /* from the edge to the fall */
+    uint32_t not_before;  /* shortest time from edge to edge */
+    uint32_t tick_cycles; /* from the last edge to the coming one */
+    volatile uint8_t halt;
+    uint8_t version;      /* changes with every tick: a report copies until it stands still */
+    uint16_t serial;      /* block in hand, or the last one */
+    uint16_t late_ticks;
+};
+
+extern struct player player;
+
+/* Time begins now; plays what is prepared. The timer was stopped. */
+void player_start(void);
+/* What was owed is there: go on after STARVED. */
+void player_continue(void);
+/* The motors stand: nothing is known of the last interval any more. */
+void player_rest(void);
+/* The block in hand is given up. */
+void player_drop(void);
+
+/* Slots between reader and player. */
+extern struct block blocks[2];
+extern volatile uint8_t block_ready; /* a bit per slot: decoded, not yet taken */
+extern uint8_t block_next;           /* slot that is taken next */
+extern struct piece pieces[PIECES];
+extern volatile uint8_t piece_head, piece_tail;
+/* Whole records in the ring, not decoded yet. */
+extern volatile uint16_t records_waiting;
+
+#endif
