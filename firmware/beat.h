@@ -100,7 +100,7 @@ HERE void add_movement(uint8_t motor, uint8_t forward, uint8_t *count, uint8_t h
     }
     card.phase[motor] = at;
     uint8_t n = *count;
-    beat.low[n] = card.table_low[at] | card.motor_low[motor];
+    beat.low[n] = card.table[0][at] | card.motor_low[motor];
     beat.high[n] = card.motor_high[motor] | high;
     beat.motor[n] = bit;
     *count = n + 1;

@@ -1,8 +1,6 @@
 /* Rules: card.h. */
 #include "card.h"
 
-#include <string.h>
-
 #define STROBE_NOPS() __builtin_avr_delay_cycles(6)
 
 struct card card;
@@ -29,9 +27,10 @@ static void strobe(void)
     PORT_HIGH |= _BV(STROBE_BIT);
 }
 
-static void latch(uint8_t data)
+static void latch(uint8_t low, uint8_t high)
 {
-    card_write_data(data);
+    PORT_LOW = low;
+    PORT_HIGH = high | card.control_high;
     strobe();
 }
 
@@ -41,7 +40,7 @@ void card_after_reset(void)
     card_write_control();
     board_directions();
     for (uint8_t i = 0; i < sizeof zero_bytes; i++)
-        latch(zero_bytes[i]);
+        latch(DATA_LOW(zero_bytes[i]), DATA_HIGH(zero_bytes[i]));
     card_write_data(0);
 }
 
@@ -59,7 +58,8 @@ bool card_take_table(uint8_t which, const uint8_t *entries, uint8_t length)
 {
     if (which > 1 || length < TABLE_MIN || length > TABLE_MAX)
         return false;
-    memcpy(card.table[which], entries, length);
+    while (length--)
+        card.table[which][length] = DATA_LOW(entries[length] & 0x3F);
     return true;
 }
 
@@ -70,8 +70,6 @@ bool card_load(const uint8_t *bytes)
     if (!is_sound(facts))
         return false;
     card.facts = *facts;
-    for (uint8_t i = 0; i < TABLE_MAX; i++)
-        card.table_low[i] = DATA_LOW(card.table[0][i] & 0x3F);
     for (uint8_t motor = 0; motor < MOTORS_MAX; motor++) {
         card.motor_low[motor] = DATA_LOW(facts->motor_bits[motor] & 0xC0);
         card.motor_high[motor] = DATA_HIGH(facts->motor_bits[motor] & 0xC0);
@@ -90,8 +88,8 @@ bool card_load(const uint8_t *bytes)
 static void stand(const uint8_t *table)
 {
     for (uint8_t motor = 0; motor < card.facts.motors; motor++) {
-        uint8_t low = table ? table[card.phase[motor]] : card.facts.off;
-        latch((uint8_t)((card.facts.motor_bits[motor] & 0xC0) | (low & 0x3F)));
+        uint8_t low = table ? table[card.phase[motor]] : DATA_LOW(card.facts.off & 0x3F);
+        latch(low | card.motor_low[motor], card.motor_high[motor]);
     }
 }
 

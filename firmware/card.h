@@ -57,8 +57,7 @@ struct card {
     uint8_t data;        /* clock and direction: data byte with clocks at rest, as read ahead */
     uint8_t phase[MOTORS_MAX];
     uint8_t motor_low[MOTORS_MAX], motor_high[MOTORS_MAX];
-    uint8_t table_low[TABLE_MAX]; /* drive table as PORT_LOW bytes */
-    uint8_t table[2][TABLE_MAX];  /* drive, hold: as uploaded */
+    uint8_t table[2][TABLE_MAX];  /* drive, hold: as PORT_LOW bytes */
 };
 
 extern struct card card;

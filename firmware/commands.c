@@ -1,6 +1,7 @@
 /* Rules: commands.h. */
 #include "commands.h"
 
+#include <avr/pgmspace.h>
 #include <string.h>
 
 #include "board.h"
@@ -125,7 +126,7 @@ struct command {
     uint8_t (*carry_out)(const uint8_t *payload, uint8_t length);
 };
 
-static const struct command commands[] = {
+static const struct command commands[] PROGMEM = {
     [KIND_TABLE] = {ANY_LENGTH, NEEDS_REST, do_table},
     [KIND_CARD] = {CARD_LENGTH, NEEDS_REST, do_card},
     [KIND_BLOCKS] = {ANY_LENGTH, NEEDS_CARD | NEEDS_EPOCH, do_blocks},
@@ -158,10 +159,13 @@ static void carry_out(const uint8_t *content, uint8_t length)
 {
     uint8_t kind = content[0], code = REFUSED_KIND;
     const uint8_t *payload = content + 2;
-    if (kind < sizeof commands / sizeof *commands && commands[kind].carry_out) {
-        code = refusal_of(&commands[kind], payload, length);
+    struct command command = {0};
+    if (kind < sizeof commands / sizeof *commands)
+        memcpy_P(&command, &commands[kind], sizeof command);
+    if (command.carry_out) {
+        code = refusal_of(&command, payload, length);
         if (!code)
-            code = commands[kind].carry_out(payload, length);
+            code = command.carry_out(payload, length);
     }
     if (code) {
         link.refused_seq = content[1];
