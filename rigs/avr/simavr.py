@@ -63,6 +63,7 @@ class Counters:
     tx_dropped: int
     resets: int
     slept_cycles: int
+    batches: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,7 +212,8 @@ class Avr:
     def writes(self, port: str) -> Events:
         """The log's writes of one port: "B", "C", "D", or "b", "c", "d" for its directions."""
         events = self.log()
-        return events[events["kind"] == ord(port)]
+        chosen: Events = events[events["kind"] == ord(port)]
+        return chosen
 
     @property
     def counters(self) -> Counters:
@@ -379,7 +381,7 @@ class Avr:
 
 
 def _named(pin: str) -> tuple[bytes, int]:
-    """ "C0" as the harness wants it."""
+    """Port and number of a pin like "C0", as the harness wants them."""
     if len(pin) != 2 or pin[0] not in "BCD" or pin[1] not in "01234567":
         raise RigError(f"no pin {pin!r}; B0 to D7 are pins")
     return pin[0].encode(), int(pin[1])

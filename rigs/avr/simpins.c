@@ -16,11 +16,7 @@ static const struct {
 } PORTS[3] = {{'B', 0x23}, {'C', 0x26}, {'D', 0x29}};
 
 uint64_t sim_write_cycle(const sim_t *sim) {
-    const avr_t *avr = sim->avr;
-    if (!sim_repairs(sim, SIM_REPAIR_WRITE_END))
-        return avr->cycle;
-    unsigned opcode = avr->flash[avr->pc] | avr->flash[avr->pc + 1] << 8;
-    return avr->cycle + ((opcode & 0xF800) == 0xB800 ? 1 : 2); /* OUT, or any other store */
+    return sim->avr->cycle + sim_access_cycles(sim);
 }
 
 /* ---- levels from outside ---- */

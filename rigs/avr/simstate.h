@@ -126,6 +126,9 @@ void sim_log_event(sim_t *sim, uint64_t cycle, uint8_t kind, uint8_t value);
 /* Calls `timer` at an absolute cycle, which may have passed. */
 void sim_at(sim_t *sim, uint64_t cycle, avr_cycle_timer_t timer);
 
+/* How long the instruction in hand takes that reads or writes a register. */
+unsigned sim_access_cycles(const sim_t *sim);
+
 void uart_open(sim_t *sim);
 void uart_reset(sim_t *sim);       /* cycle timers are gone: start again */
 void uart_after_reset(sim_t *sim); /* registers have been set by the stock core: correct them */

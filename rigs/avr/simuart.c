@@ -211,7 +211,7 @@ static void write_udr(avr_t *avr, avr_io_addr_t address, uint8_t byte, void *par
         return;
     if (uart->tx_shift < 0) { /* moves on into the shift register at once: UDRE stays */
         uart->tx_shift = byte;
-        uart->tx_due = avr->cycle + (uint64_t)(frame_bits(sim) * bit_cycles(sim));
+        uart->tx_due = sim_write_cycle(sim) + (uint64_t)(frame_bits(sim) * bit_cycles(sim));
         sim_at(sim, uart->tx_due, shifted_out);
     } else if (uart->tx_buffer < 0) {
         uart->tx_buffer = byte;
