@@ -66,7 +66,7 @@ UNO = Board(
 
 def decode(events: Events, board: Board = UNO) -> Accesses:
     """A whole log as register writes, in order."""
-    return Decoder(board).decode(events, final=True)
+    return Decoder(board).decode(events)
 
 
 @dataclass(slots=True)
@@ -81,13 +81,13 @@ class Decoder:
     _levels: npt.NDArray[np.uint8] = field(default_factory=lambda: np.zeros(3, np.uint8))
     _kept: Events | None = None
 
-    def decode(self, events: Events, *, final: bool = False) -> Accesses:
+    def decode(self, events: Events, until_cycle: int | None = None) -> Accesses:
         """The register writes in the next piece of a log.
 
         Args:
             events: The next piece, as `Avr.take_log` gives it.
-            final: Nothing follows. Otherwise the last write is kept back, for the other half of
-                its byte may come with the next piece.
+            until_cycle: The log is known up to here. What is newer than `PAIR_CYCLES` is kept
+                back, for its other half may come with the next piece. None: nothing follows.
 
         Returns:
             An array of `ACCESS`.
@@ -95,7 +95,7 @@ class Decoder:
         events = events[np.isin(events["kind"], [ord(name) for name in PORTS + "R"])]
         if self._kept is not None:
             events = np.concatenate([self._kept, events])
-        split = len(events) if final else _complete(events)
+        split = len(events) if until_cycle is None else _complete(events, until_cycle)
         self._kept = events[split:]
         return self._decoded(events[:split])
 
@@ -128,9 +128,9 @@ def resets(events: Events) -> list[tuple[int, int]]:
     return [(int(e["cycle"]), int(e["value"])) for e in events[events["kind"] == ord("R")]]
 
 
-def _complete(events: Events) -> int:
+def _complete(events: Events, until_cycle: int) -> int:
     """How many events cannot be the first half of something still to come."""
-    gaps = np.diff(events["cycle"].astype(np.int64))
+    gaps = np.diff(events["cycle"].astype(np.int64), append=until_cycle)
     alone = np.flatnonzero(gaps > PAIR_CYCLES)
     return int(alone[-1]) + 1 if len(alone) else 0
 

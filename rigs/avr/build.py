@@ -17,7 +17,7 @@ MCU = "atmega328p"
 F_CPU_HZ = 16_000_000
 
 CORE_SOURCES = ("simcore.c", "simuart.c", "simtimer.c", "simpins.c")
-HEADERS = ("simcore.h", "simstate.h")
+HEADERS = ("simcore.h", "simstate.h", "simtty.h")
 HOST_FLAGS = ("-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", "-I/usr/include/simavr")
 AVR_FLAGS = (f"-mmcu={MCU}", f"-DF_CPU={F_CPU_HZ}UL", "-std=gnu11", "-Os", "-Wall", "-Wextra")
 
@@ -63,8 +63,8 @@ def host_program() -> Path:
     Raises:
         RigError: A package is missing or the compiler refuses.
     """
-    sources = [HERE / name for name in (*CORE_SOURCES, "simhost.c")]
-    return _built("simhost", "", ["gcc", *HOST_FLAGS], sources, ("-lsimavr", "-lelf", "-lutil"))
+    sources = [HERE / name for name in (*CORE_SOURCES, "simtty.c", "simhost.c")]
+    return _built("simhost", "", ["gcc", *HOST_FLAGS], sources, ("-lsimavr", "-lelf"))
 
 
 def firmware(*sources: Path, flags: Sequence[str] = ()) -> Path:
@@ -113,3 +113,4 @@ def _neighbours(sources: list[Path]) -> set[Path]:
 
 if __name__ == "__main__":
     core_library()
+    host_program()

@@ -73,6 +73,8 @@ static int new_watch(sim_t *sim, watch_t watch) {
     for (int i = 0; i < WATCHES; i++)
         if (!sim->pins.watches[i].port) {
             sim->pins.watches[i] = watch;
+            if (i >= sim->pins.watches_end)
+                sim->pins.watches_end = i + 1;
             return i;
         }
     return -1;
@@ -112,7 +114,7 @@ static void fulfil(sim_t *sim, watch_t *watch, uint64_t cycle, uint8_t value) {
 }
 
 void pins_written(sim_t *sim, uint64_t cycle, char port, uint8_t value) {
-    for (int i = 0; i < WATCHES; i++) {
+    for (int i = 0; i < sim->pins.watches_end; i++) {
         watch_t *watch = &sim->pins.watches[i];
         if (watch->port != port)
             continue;

@@ -70,6 +70,7 @@ typedef struct {
 typedef struct {
     QUEUE_OF(pin_change_t) due; /* sorted by cycle */
     watch_t watches[WATCHES];
+    int watches_end; /* none in use from here on */
     uint8_t driven[3], level[3]; /* per port B C D */
 } pins_t;
 

@@ -53,10 +53,10 @@ static uint64_t host_frame_cycles(const sim_t *sim) {
 double sim_bit_cycles(const sim_t *sim) { return bit_cycles(sim); }
 void sim_host_bit_cycles(sim_t *sim, double cycles) { sim->uart.host_bit_cycles = cycles; }
 
-/* What a receiver at our rate makes of a byte sent at the host's: it samples the middle of each
- * of its own bits. `stop` is the level where the stop bit should be. */
-static uint8_t heard(const sim_t *sim, uint8_t byte, int *stop) {
-    double ratio = bit_cycles(sim) / host_bit_cycles(sim);
+/* What a receiver makes of a byte sent at another rate: it samples the middle of each of its own
+ * bits. `stop` is the level where the stop bit should be. */
+static uint8_t heard(uint8_t byte, double sender_bit_cycles, double receiver_bit_cycles, int *stop) {
+    double ratio = receiver_bit_cycles / sender_bit_cycles;
     unsigned line = 0xFFFFFE00u | (unsigned)byte << 1; /* bit 0: start; from bit 9 on: idle */
     unsigned result = 0;
     for (int i = 0; i <= 9; i++) {
@@ -92,7 +92,7 @@ static void frame_starts(sim_t *sim, uint8_t byte) {
         sim->counters.overruns++;
         sim->avr->data[UCSR0A] |= DOR;
     }
-    uart->on_wire = heard(sim, byte, &stop);
+    uart->on_wire = heard(byte, host_bit_cycles(sim), bit_cycles(sim), &stop);
     uart->framing_error = !stop;
 }
 
@@ -183,6 +183,8 @@ static void flush_receiver(sim_t *sim) {
 /* ---- transmitter ---- */
 
 static void sent(sim_t *sim, uint64_t cycle, uint8_t byte) {
+    int stop;
+    byte = heard(byte, bit_cycles(sim), host_bit_cycles(sim), &stop);
     sim_event_t event = {cycle, 'T', byte, {0}};
     QUEUE_PUSH(sim->uart.sent, event);
     sim->counters.tx_bytes++;
