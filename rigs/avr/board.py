@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from rigs.avr.simavr import Events
+from rigs.avr.binding import Events
 
 #: Two halves of a byte are at most so far apart; the shortest half interval of a clock is 8.
 PAIR_CYCLES = 5

@@ -4,6 +4,7 @@ A file's name carries a hash of everything it was made from, so nothing stale is
 processes may build the same file at the same time.
 """
 
+import functools
 import hashlib
 import os
 import shutil
@@ -16,7 +17,10 @@ CACHE = HERE.parent.parent / ".rig-cache"
 MCU = "atmega328p"
 F_CPU_HZ = 16_000_000
 
-CORE_SOURCES = ("simcore.c", "simuart.c", "simtimer.c", "simpins.c")
+#: Where the linker puts the data space.
+DATA_SPACE = 0x800000
+
+CORE_SOURCES = ("simcore.c", "simwire.c", "simuart.c", "simtimer.c", "simpins.c")
 HEADERS = ("simcore.h", "simstate.h", "simtty.h")
 HOST_FLAGS = ("-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", "-I/usr/include/simavr")
 AVR_FLAGS = (f"-mmcu={MCU}", f"-DF_CPU={F_CPU_HZ}UL", "-std=gnu11", "-Os", "-Wall", "-Wextra")
@@ -46,6 +50,7 @@ def missing() -> str:
     return f"needs the Debian packages {' '.join(absent)}" if absent else ""
 
 
+@functools.cache
 def core_library() -> Path:
     """The harness as a shared object, for `ctypes`.
 
@@ -57,6 +62,7 @@ def core_library() -> Path:
     return _built("libsimcore", ".so", command, sources, ("-lsimavr", "-lelf"))
 
 
+@functools.cache
 def host_program() -> Path:
     """The harness behind a pty, as a program.
 
@@ -78,6 +84,19 @@ def firmware(*sources: Path, flags: Sequence[str] = ()) -> Path:
         RigError: A package is missing or the compiler refuses.
     """
     return _built(sources[0].stem, ".elf", ["avr-gcc", *AVR_FLAGS, *flags], list(sources), ())
+
+
+def data_symbols(elf: Path) -> dict[str, int]:
+    """The addresses of an image's variables in the data space, for `Avr.peek`.
+
+    Raises:
+        RigError: `avr-nm` refuses.
+    """
+    done = subprocess.run(["avr-nm", str(elf)], capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RigError(f"avr-nm refuses {elf}: {done.stderr}")
+    rows = (line.split() for line in done.stdout.splitlines())
+    return {row[-1]: int(row[0], 16) - DATA_SPACE for row in rows if row[-2] in "bBdD"}
 
 
 def _built(

@@ -19,9 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
+from rigs.avr.binding import EVENT, Events
 from rigs.avr.board import UNO, Accesses, Board, Decoder
 from rigs.avr.build import RigError, host_program
-from rigs.avr.simavr import EVENT, Events
 
 #: `struct shared` of simhost.c: driven and level of B, C, D; hold; client; cycle.
 SHARED = struct.Struct("<3s3sBBQ")

@@ -218,6 +218,13 @@ static void find_modules(sim_t *sim) {
             sim->timers.timer[((avr_timer_t *)io)->name - '0'] = (avr_timer_t *)io;
 }
 
+static void forget(elf_firmware_t *image) {
+    for (uint32_t i = 0; i < image->symbolcount; i++)
+        free(image->symbol[i]);
+    free(image->symbol);
+    free(image->flash);
+}
+
 static void load(sim_t *sim, elf_firmware_t *image) {
     avr_t *avr = sim->avr;
     avr_init(avr);
@@ -228,6 +235,7 @@ static void load(sim_t *sim, elf_firmware_t *image) {
     /* SRAM holds anything at power-on; where the pattern is gone, something was written. */
     memset(avr->data + SRAM_START, STACK_PATTERN, avr->ramend + 1 - SRAM_START);
     sim->data_end = SRAM_START + image->datasize + image->bsssize;
+    forget(image); /* it was copied */
 }
 
 sim_t *sim_open(const char *elf_path, uint32_t repairs) {

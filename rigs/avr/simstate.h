@@ -130,6 +130,16 @@ void sim_at(sim_t *sim, uint64_t cycle, avr_cycle_timer_t timer);
 /* How long the instruction in hand takes that reads or writes a register. */
 unsigned sim_access_cycles(const sim_t *sim);
 
+/* Registers of USART0, in the data space. */
+enum { UCSR0A = 0xC0, UCSR0B, UCSR0C, UBRR0L = 0xC4, UBRR0H, UDR0 };
+enum { UCSR0A_U2X = 0x02 };
+
+void wire_start(sim_t *sim); /* something is to be sent: sees that the line is served */
+void wire_sent(sim_t *sim, uint64_t cycle, uint8_t byte);
+uint64_t wire_frame_cycles(const sim_t *sim);
+void uart_frame_starts(sim_t *sim, uint8_t byte, int framing_error);
+void uart_frame_ends(sim_t *sim);
+
 void uart_open(sim_t *sim);
 void uart_reset(sim_t *sim);       /* cycle timers are gone: start again */
 void uart_after_reset(sim_t *sim); /* registers have been set by the stock core: correct them */

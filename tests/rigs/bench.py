@@ -4,8 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
+from rigs.avr.binding import Repair
 from rigs.avr.build import firmware
-from rigs.avr.simavr import Avr, Repair
+from rigs.avr.simavr import Avr
 
 FIRMWARES = Path(__file__).parent / "avr"
 #: All self-test firmwares have shown what they show by then.

@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 import pytest
 
+from rigs.avr.binding import Repair
 from rigs.avr.build import missing
-from rigs.avr.simavr import Repair
 from tests.rigs.bench import cycles, gaps, powered, ran, values
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=missing())

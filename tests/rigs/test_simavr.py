@@ -5,16 +5,17 @@ import re
 import numpy as np
 import pytest
 
+from rigs.avr.binding import EVENT, SRAM_END, SRAM_START, Events
 from rigs.avr.board import CONTROL, DATA, UNO, Decoder, decode, resets
-from rigs.avr.build import RigError, missing
-from rigs.avr.simavr import EVENT, SRAM_END, SRAM_START, Avr, Events
+from rigs.avr.build import RigError, data_symbols, firmware, missing
+from rigs.avr.simavr import Avr
 from tests.rigs.bench import FIRMWARES, cycles, gaps, powered, ran, values
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=missing())
 
 FRAME_CYCLES = 160
 LONG_CYCLES = 20_000
-TIMER1_COMPA = 11
+TIMER1_COMPA, USART_RX, USART_UDRE = 11, 18, 19
 
 
 # -- time
@@ -125,6 +126,27 @@ def test_one_percent_of_baud_rate_does_no_harm() -> None:
     avr.run(LONG_CYCLES)
     assert values(avr, "D") == list(range(0, 250, 10))
     assert avr.counters.framing_errors == 0
+
+
+def test_a_receive_interrupt_comes_again_while_bytes_wait() -> None:
+    avr = ran("levels")
+    avr.feed(b"\x11\x22\x33")  # the firmware lets them wait until C0 goes high
+    avr.run(LONG_CYCLES)
+    assert values(avr, "D") == []
+    avr.set_pin("C0", True)
+    avr.run(LONG_CYCLES)
+    assert values(avr, "D") == [0x11, 0x22, 0x33]
+    assert avr.vectors()[USART_RX].count == 3
+
+
+def test_a_transmit_interrupt_comes_until_it_is_switched_off() -> None:
+    avr = ran("levels")
+    avr.set_pin("C0", True)
+    avr.run(LONG_CYCLES)
+    sent = avr.take_timed()
+    assert sent["value"].tolist() == [1, 2, 3, 4, 5]
+    assert set(np.diff(sent["cycle"].astype(np.int64))) == {FRAME_CYCLES}
+    assert avr.vectors()[USART_UDRE].count == 6  # the last one only switches it off
 
 
 def test_a_host_that_stops_sending() -> None:
@@ -240,6 +262,12 @@ def test_memory_can_be_read() -> None:
     assert avr.peek(SRAM_START, 2) == bytes([3, 0])
     with pytest.raises(RigError, match="no data memory at 0x8ff to 0x901"):
         avr.peek(0x8FF, 2)
+
+
+def test_variables_have_names() -> None:
+    flags = ("-DDEPTH=100",)
+    address = data_symbols(firmware(FIRMWARES / "deep.c", flags=flags))["data"]
+    assert ran("deep", flags=flags).peek(address, 2) == bytes([3, 0])
 
 
 def test_interrupts_are_counted_and_timed() -> None:
