@@ -28,6 +28,7 @@ AVR_FLAGS = (f"-mmcu={MCU}", f"-DF_CPU={F_CPU_HZ}UL", "-std=gnu11", "-Os", "-Wal
 #: What must be there, and the Debian package that brings it.
 NEEDED = {
     "gcc": "gcc",
+    "/usr/include/stdlib.h": "libc6-dev",
     "avr-gcc": "gcc-avr",
     "avr-objdump": "binutils-avr",
     "/usr/lib/avr/include/avr/io.h": "avr-libc",
