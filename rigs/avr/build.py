@@ -21,7 +21,8 @@ F_CPU_HZ = 16_000_000
 DATA_SPACE = 0x800000
 
 CORE_SOURCES = ("simcore.c", "simwire.c", "simuart.c", "simtimer.c", "simpins.c")
-HEADERS = ("simcore.h", "simstate.h", "simtty.h")
+HOST_SOURCES = ("simtty.c", "simoptions.c", "simhost.c")
+HEADERS = ("simcore.h", "simstate.h", "simtty.h", "simoptions.h")
 HOST_FLAGS = ("-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", "-I/usr/include/simavr")
 AVR_FLAGS = (f"-mmcu={MCU}", f"-DF_CPU={F_CPU_HZ}UL", "-std=gnu11", "-Os", "-Wall", "-Wextra")
 
@@ -70,7 +71,7 @@ def host_program() -> Path:
     Raises:
         RigError: A package is missing or the compiler refuses.
     """
-    sources = [HERE / name for name in (*CORE_SOURCES, "simtty.c", "simhost.c")]
+    sources = [HERE / name for name in (*CORE_SOURCES, *HOST_SOURCES)]
     return _built("simhost", "", ["gcc", *HOST_FLAGS], sources, ("-lsimavr", "-lelf"))
 
 

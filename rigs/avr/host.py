@@ -5,8 +5,8 @@
         ...
         host.accesses()                  # what a parallel port would have been told since
 
-The program is `simhost.c`; its head says what each option does. Simulated time follows the wall
-clock, so what is asserted here is order and counts, never single cycles: for those take `Avr`.
+The program is `simhost.c`; `simoptions.h` says what each option does. Simulated time follows the
+wall clock, so what is asserted here is order and counts, never single cycles: for those take `Avr`.
 """
 
 import mmap

@@ -33,7 +33,7 @@ __all__ = ["EVENT", "Avr", "Counters", "Events", "Repair", "RigError", "VectorUs
 #: Called with the cycle, the port's letter and the value written.
 Watcher = Callable[[int, str, int], None]
 
-TAKE_ROOM = 4096
+TAKE_ROOM = 512
 
 
 class Avr:
@@ -187,7 +187,7 @@ class Avr:
         """The bytes sent, each with the cycle at which its stop bit ended."""
         parts = []
         while True:
-            room = np.zeros(TAKE_ROOM, EVENT)
+            room = np.empty(TAKE_ROOM, EVENT)
             count = self._lib.sim_take(self._sim, room.ctypes.data, TAKE_ROOM)
             parts.append(room[:count])
             if count < TAKE_ROOM:

@@ -1,23 +1,11 @@
 /* simhost: the simulated microcontroller behind a pty, for pyserial and the whole program.
  *
- *   simhost IMAGE --link PATH [--log PATH] [--shared PATH] [options]
- *
- *     --link PATH         where the serial port appears
- *     --log PATH          the log, as sim_event_t records: a file that grows, or a fifo
- *     --shared PATH       a file of SHARED_BYTES bytes, mapped: see struct shared
- *     --speed X           times real time; 0 is as fast as it goes; default 1
- *     --stall-ms N        lock step: when the AVR has spoken and the line is idle, wait so long for
- *                         the host before simulated time goes on; default 0, do not wait
- *     --boot-ms N         after a reset by DTR nobody listens for so long, as with a boot loader
- *     --keep-running      opening the port does not reset the AVR
- *     --any-baud          whatever baud rate the client sets is right
- *     --unplug-after S    the serial port vanishes after S simulated seconds
- *     --seconds S         ends by itself after S simulated seconds
+ *   simhost IMAGE --link PATH [options]        simoptions.h has the list
  *
  *   SIGTERM, SIGINT: ends, link removed, exit code 0.   SIGUSR1: unplug.   SIGUSR2: plug in again.
  *
- * Rule 1: simulated time never runs after the wall clock: what was lost is lost (CATCH_UP_S). A busy
- *         machine makes the AVR slow, never the host late.
+ * Rule 1: simulated time never runs after the wall clock: what was lost is lost (CATCH_UP_S). A
+ *         busy machine makes the AVR slow, never the host late.
  * Rule 2: an unplugged AVR runs on.
  *
  *   slice   |--run--|pty|log|sleep...|--run--|pty|log|sleep...|      100 us of simulated time each
@@ -27,7 +15,6 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -36,6 +23,7 @@
 #include <unistd.h>
 
 #include "simcore.h"
+#include "simoptions.h"
 #include "simtty.h"
 
 #define SLICE_CYCLES (SIM_F_CPU_HZ / 10000)
@@ -52,14 +40,8 @@ struct shared {
     uint64_t cycle;
 };
 
-struct options {
-    const char *image, *link, *log, *shared;
-    double speed, unplug_after_s, seconds;
-    int stall_ms, boot_ms, keep_running, any_baud;
-};
-
 struct host {
-    struct options options;
+    options_t options;
     sim_t *sim;
     tty_t tty;
     int log;
@@ -89,56 +71,6 @@ static double wall_s(void) {
 
 static double simulated_s(const struct host *host) {
     return (double)sim_cycle(host->sim) / SIM_F_CPU_HZ;
-}
-
-/* ---- options ---- */
-
-static int usage(const char *problem, const char *word) {
-    fprintf(stderr, "simhost: %s%s; see the head of simhost.c\n", problem, word);
-    return -1;
-}
-
-static int parse(struct options *options, int count, char **words) {
-    const struct {
-        const char *name;
-        const char **text;
-        double *number;
-        int *integer, *flag;
-    } table[] = {
-        {.name = "--link", .text = &options->link},
-        {.name = "--log", .text = &options->log},
-        {.name = "--shared", .text = &options->shared},
-        {.name = "--speed", .number = &options->speed},
-        {.name = "--unplug-after", .number = &options->unplug_after_s},
-        {.name = "--seconds", .number = &options->seconds},
-        {.name = "--stall-ms", .integer = &options->stall_ms},
-        {.name = "--boot-ms", .integer = &options->boot_ms},
-        {.name = "--keep-running", .flag = &options->keep_running},
-        {.name = "--any-baud", .flag = &options->any_baud},
-    };
-    for (int i = 1; i < count; i++) {
-        size_t row = 0;
-        while (row < sizeof table / sizeof *table && strcmp(words[i], table[row].name))
-            row++;
-        if (row == sizeof table / sizeof *table) {
-            if (words[i][0] == '-' || options->image)
-                return usage("unknown option ", words[i]);
-            options->image = words[i];
-        } else if (table[row].flag) {
-            *table[row].flag = 1;
-        } else if (++i == count) {
-            return usage("a value is missing after ", table[row].name);
-        } else if (table[row].text) {
-            *table[row].text = words[i];
-        } else if (table[row].number) {
-            *table[row].number = atof(words[i]);
-        } else {
-            *table[row].integer = atoi(words[i]);
-        }
-    }
-    if (!options->image || !options->link)
-        return usage("needs an image and ", "--link");
-    return 0;
 }
 
 /* ---- what happens after each slice ---- */
@@ -194,7 +126,7 @@ static int write_log(struct host *host) {
     for (size_t done = 0; host->log >= 0 && done < bytes;) {
         ssize_t count = write(host->log, (const char *)events + done, bytes - done);
         if (count < 0 && errno != EINTR)
-            return usage("the log cannot be written: ", strerror(errno));
+            return complain("the log cannot be written: ", strerror(errno));
         done += count > 0 ? (size_t)count : 0;
     }
     sim_clear_log(host->sim);
@@ -247,7 +179,8 @@ static void keep_pace(struct host *host) {
 
 static int run(struct host *host) {
     host->wall_start_s = wall_s();
-    while (!wants_end && (host->options.seconds <= 0 || simulated_s(host) < host->options.seconds)) {
+    double end_s = host->options.seconds > 0 ? host->options.seconds : 1e12;
+    while (!wants_end && simulated_s(host) < end_s) {
         int alive = sim_run(host->sim, SLICE_CYCLES);
         plug_as_wanted(host);
         follow_client(host);
@@ -256,7 +189,7 @@ static int run(struct host *host) {
             return 1;
         follow_shared(host); /* after the log: up to shared->cycle the log is complete */
         if (!alive)
-            return usage("the AVR has stopped", "") != 0;
+            return complain("the AVR has stopped", "") != 0;
         wait_for_host(host);
         hold(host);
         keep_pace(host);
@@ -281,20 +214,20 @@ static int open_shared(struct host *host) {
 }
 
 static int open_all(struct host *host) {
-    struct options *options = &host->options;
+    options_t *options = &host->options;
     host->log = -1;
     if (options->log)
         host->log = open(options->log, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
     if (options->log && host->log < 0)
-        return usage("the log cannot be opened: ", strerror(errno));
+        return complain("the log cannot be opened: ", strerror(errno));
     if (open_shared(host))
-        return usage("the shared file cannot be mapped: ", strerror(errno));
+        return complain("the shared file cannot be mapped: ", strerror(errno));
     host->sim = sim_open(options->image, SIM_REPAIR_ALL);
     if (!host->sim)
-        return usage("no image for the ATmega328P: ", options->image);
+        return complain("no image for the ATmega328P: ", options->image);
     follow_shared(host);
     if (tty_plug(&host->tty, options->link))
-        return usage("no pty: ", strerror(errno));
+        return complain("no pty: ", strerror(errno));
     return 0;
 }
 
@@ -311,7 +244,7 @@ static void report(const struct host *host, double took_s) {
 
 int main(int count, char **words) {
     struct host host = {.options = {.speed = 1}};
-    if (parse(&host.options, count, words))
+    if (options_parse(&host.options, count, words))
         return 2;
     struct sigaction action = {.sa_handler = on_signal};
     for (const int *number = (const int[]){SIGTERM, SIGINT, SIGUSR1, SIGUSR2, 0}; *number; number++)

@@ -45,7 +45,8 @@ void sim_host_bit_cycles(sim_t *sim, double cycles) { sim->uart.host_bit_cycles 
 
 /* What a receiver makes of a byte sent at another rate: it samples the middle of each of its own
  * bits. `stop` is the level where the stop bit should be. */
-static uint8_t heard(uint8_t byte, double sender_bit_cycles, double receiver_bit_cycles, int *stop) {
+static uint8_t heard(uint8_t byte, double sender_bit_cycles, double receiver_bit_cycles,
+                     int *stop) {
     double ratio = receiver_bit_cycles / sender_bit_cycles;
     unsigned line = 0xFFFFFE00u | (unsigned)byte << 1; /* bit 0: start; from bit 9 on: idle */
     unsigned result = 0;

@@ -1,4 +1,5 @@
-/* Does not read until C0 goes high. Then PORTB shows UCSR0A and PORTD the byte, until none is left. */
+/* Does not read until C0 goes high. Then PORTB shows UCSR0A and PORTD the byte, until none is
+ * left. */
 #include "common.h"
 
 int main(void) {

@@ -1,4 +1,5 @@
-/* Two flags are set and one is cleared. PORTD: what is left. Then one pin is toggled through PINB. */
+/* Two flags are set and one is cleared. PORTD: what is left. Then one pin is toggled through
+ * PINB. */
 #include "common.h"
 
 int main(void) {
