@@ -10,9 +10,9 @@ static void plug(uint8_t byte) {
 }
 
 int main(void) {
-    DDRD = 0xFC;
-    DDRB = 0x1F;
     PORTB = _BV(2);
+    DDRB = 0x1F;
+    DDRD = 0xFC;
     UBRR0 = 7;
     UCSR0A = _BV(U2X0);
     UCSR0B = _BV(RXEN0) | _BV(TXEN0);

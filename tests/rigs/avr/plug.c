@@ -13,10 +13,10 @@ static void put(uint8_t byte) {
 }
 
 int main(void) {
-    DDRD = 0xFC;
+    PORTB = IDLE; /* before the direction: nStrobe must not twitch */
     DDRB = 0x1F;
+    DDRD = 0xFC;
     DDRC = _BV(5);
-    PORTB = IDLE;
     put(0x49);
     put(0x49);
     put(0xC3);
