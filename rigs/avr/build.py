@@ -4,6 +4,7 @@ A file's name carries a hash of everything it was made from, so nothing stale is
 processes may build the same file at the same time.
 """
 
+import functools
 import hashlib
 import os
 import shutil
@@ -16,14 +17,19 @@ CACHE = HERE.parent.parent / ".rig-cache"
 MCU = "atmega328p"
 F_CPU_HZ = 16_000_000
 
-CORE_SOURCES = ("simcore.c", "simuart.c", "simtimer.c", "simpins.c")
-HEADERS = ("simcore.h", "simstate.h")
+#: Where the linker puts the data space.
+DATA_SPACE = 0x800000
+
+CORE_SOURCES = ("simcore.c", "simwire.c", "simuart.c", "simtimer.c", "simpins.c")
+HOST_SOURCES = ("simtty.c", "simoptions.c", "simhost.c")
+HEADERS = ("simcore.h", "simstate.h", "simtty.h", "simoptions.h")
 HOST_FLAGS = ("-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", "-I/usr/include/simavr")
 AVR_FLAGS = (f"-mmcu={MCU}", f"-DF_CPU={F_CPU_HZ}UL", "-std=gnu11", "-Os", "-Wall", "-Wextra")
 
 #: What must be there, and the Debian package that brings it.
 NEEDED = {
     "gcc": "gcc",
+    "/usr/include/stdlib.h": "libc6-dev",
     "avr-gcc": "gcc-avr",
     "avr-objdump": "binutils-avr",
     "/usr/lib/avr/include/avr/io.h": "avr-libc",
@@ -46,6 +52,7 @@ def missing() -> str:
     return f"needs the Debian packages {' '.join(absent)}" if absent else ""
 
 
+@functools.cache
 def core_library() -> Path:
     """The harness as a shared object, for `ctypes`.
 
@@ -57,14 +64,15 @@ def core_library() -> Path:
     return _built("libsimcore", ".so", command, sources, ("-lsimavr", "-lelf"))
 
 
+@functools.cache
 def host_program() -> Path:
     """The harness behind a pty, as a program.
 
     Raises:
         RigError: A package is missing or the compiler refuses.
     """
-    sources = [HERE / name for name in (*CORE_SOURCES, "simhost.c")]
-    return _built("simhost", "", ["gcc", *HOST_FLAGS], sources, ("-lsimavr", "-lelf", "-lutil"))
+    sources = [HERE / name for name in (*CORE_SOURCES, *HOST_SOURCES)]
+    return _built("simhost", "", ["gcc", *HOST_FLAGS], sources, ("-lsimavr", "-lelf"))
 
 
 def firmware(*sources: Path, flags: Sequence[str] = ()) -> Path:
@@ -78,6 +86,19 @@ def firmware(*sources: Path, flags: Sequence[str] = ()) -> Path:
         RigError: A package is missing or the compiler refuses.
     """
     return _built(sources[0].stem, ".elf", ["avr-gcc", *AVR_FLAGS, *flags], list(sources), ())
+
+
+def data_symbols(elf: Path) -> dict[str, int]:
+    """The addresses of an image's variables in the data space, for `Avr.peek`.
+
+    Raises:
+        RigError: `avr-nm` refuses.
+    """
+    done = subprocess.run(["avr-nm", str(elf)], capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RigError(f"avr-nm refuses {elf}: {done.stderr}")
+    rows = (line.split() for line in done.stdout.splitlines())
+    return {row[-1]: int(row[0], 16) - DATA_SPACE for row in rows if row[-2] in "bBdD"}
 
 
 def _built(
@@ -113,3 +134,4 @@ def _neighbours(sources: list[Path]) -> set[Path]:
 
 if __name__ == "__main__":
     core_library()
+    host_program()

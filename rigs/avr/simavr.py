@@ -10,122 +10,30 @@ and nothing waits for the wall clock. Any number of instances may live in one pr
 
 import ctypes
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from enum import IntFlag
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from rigs.avr.build import RigError, core_library
+from rigs.avr.binding import (
+    EVENT,
+    RAW_WATCHER,
+    SRAM_END,
+    VECTORS,
+    Counters,
+    Events,
+    Repair,
+    VectorUse,
+    load,
+)
+from rigs.avr.build import RigError
 
-#: One entry of the log, or one byte sent. Kinds are the letters of `simcore.h`: B C D a port was
-#: written, b c d its direction register was, R a reset, T a byte sent.
-EVENT = np.dtype([("cycle", "<u8"), ("kind", "u1"), ("value", "u1"), ("unused", "V6")])
-Events = npt.NDArray[np.void]
+__all__ = ["EVENT", "Avr", "Counters", "Events", "Repair", "RigError", "VectorUse", "Watcher"]
+
 #: Called with the cycle, the port's letter and the value written.
 Watcher = Callable[[int, str, int], None]
 
-SRAM_START = 0x100
-SRAM_END = 0x900
-VECTORS = 32
-TAKE_ROOM = 4096
-
-
-class Repair(IntFlag):
-    """What the harness corrects in simavr 1.6. The values are those of `enum sim_repair`."""
-
-    ENTRY = 1 << 0
-    SHADOW = 1 << 1
-    UART = 1 << 2
-    EQUAL_WRITES = 1 << 3
-    LATE_ENABLE = 1 << 4
-    CTC_ZERO = 1 << 5
-    STOPPED_COUNT = 1 << 6
-    LEVEL_POLL = 1 << 7
-    DRIVEN_PINS = 1 << 8
-    FLAG_WRITES = 1 << 9
-    SLEEP = 1 << 10
-    WRITE_END = 1 << 11
-    ALL = (1 << 12) - 1
-
-
-@dataclass(frozen=True, slots=True)
-class Counters:
-    """What the harness counted since power-on; see `sim_counters_t`."""
-
-    rx_bytes: int
-    tx_bytes: int
-    overruns: int
-    unheard: int
-    framing_errors: int
-    tx_dropped: int
-    resets: int
-    slept_cycles: int
-
-
-@dataclass(frozen=True, slots=True)
-class VectorUse:
-    """How often an interrupt ran, and how long, entry (4 cycles) and RETI included."""
-
-    count: int
-    total_cycles: int
-    max_cycles: int
-
-
-class _Counters(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_uint64) for name in Counters.__dataclass_fields__]
-
-
-class _Vector(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_uint64) for name in VectorUse.__dataclass_fields__]
-
-
-_WATCHER = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_uint8, ctypes.c_uint8)
-
-_SIM, _U64, _INT, _CHAR = ctypes.c_void_p, ctypes.c_uint64, ctypes.c_int, ctypes.c_char
-_U8, _U32, _SIZE, _DOUBLE = ctypes.c_uint8, ctypes.c_uint32, ctypes.c_size_t, ctypes.c_double
-_BUFFER = ctypes.c_char_p
-
-#: Function of `simcore.h`: result, arguments.
-_PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
-    "sim_open": (_SIM, (_BUFFER, _U32)),
-    "sim_close": (None, (_SIM,)),
-    "sim_reset": (None, (_SIM,)),
-    "sim_run": (_INT, (_SIM, _U64)),
-    "sim_stop": (None, (_SIM,)),
-    "sim_cycle": (_U64, (_SIM,)),
-    "sim_log": (_SIZE, (_SIM, ctypes.POINTER(ctypes.c_void_p))),
-    "sim_clear_log": (None, (_SIM,)),
-    "sim_counters": (ctypes.POINTER(_Counters), (_SIM,)),
-    "sim_vectors": (ctypes.POINTER(_Vector), (_SIM,)),
-    "sim_data": (ctypes.c_void_p, (_SIM,)),
-    "sim_data_end": (ctypes.c_uint16, (_SIM,)),
-    "sim_stack_low": (ctypes.c_uint16, (_SIM,)),
-    "sim_pc": (_U32, (_SIM,)),
-    "sim_feed": (None, (_SIM, _BUFFER, _SIZE, _U64, _U32)),
-    "sim_backlog": (_SIZE, (_SIM,)),
-    "sim_drop_backlog": (None, (_SIM,)),
-    "sim_take": (_SIZE, (_SIM, ctypes.c_void_p, _SIZE)),
-    "sim_host_bit_cycles": (None, (_SIM, _DOUBLE)),
-    "sim_bit_cycles": (_DOUBLE, (_SIM,)),
-    "sim_set_pin": (None, (_SIM, _CHAR, _INT, _INT)),
-    "sim_schedule_pin": (None, (_SIM, _U64, _CHAR, _INT, _INT)),
-    "sim_contact": (_INT, (_SIM, _CHAR, _U8, _U8, _U64, _U64, _CHAR, _INT, _INT)),
-    "sim_watch": (_INT, (_SIM, _CHAR, _U8, _U8, _WATCHER, ctypes.c_void_p)),
-    "sim_watch_count": (_U64, (_SIM, _INT)),
-    "sim_unwatch": (None, (_SIM, _INT)),
-}
-
-
-def _library() -> ctypes.CDLL:
-    library = ctypes.CDLL(str(core_library()))
-    for name, (result, arguments) in _PROTOTYPES.items():
-        function = getattr(library, name)
-        function.restype = result
-        function.argtypes = arguments
-    return library
+TAKE_ROOM = 512
 
 
 class Avr:
@@ -140,7 +48,7 @@ class Avr:
     """
 
     def __init__(self, elf: Path, repairs: Repair = Repair.ALL) -> None:
-        self._lib = _library()
+        self._lib = load()
         self._sim: int | None = self._lib.sim_open(str(elf).encode(), int(repairs))
         if not self._sim:
             raise RigError(f"{elf} is no image for the ATmega328P")
@@ -211,7 +119,8 @@ class Avr:
     def writes(self, port: str) -> Events:
         """The log's writes of one port: "B", "C", "D", or "b", "c", "d" for its directions."""
         events = self.log()
-        return events[events["kind"] == ord(port)]
+        chosen: Events = events[events["kind"] == ord(port)]
+        return chosen
 
     @property
     def counters(self) -> Counters:
@@ -278,7 +187,7 @@ class Avr:
         """The bytes sent, each with the cycle at which its stop bit ended."""
         parts = []
         while True:
-            room = np.zeros(TAKE_ROOM, EVENT)
+            room = np.empty(TAKE_ROOM, EVENT)
             count = self._lib.sim_take(self._sim, room.ctypes.data, TAKE_ROOM)
             parts.append(room[:count])
             if count < TAKE_ROOM:
@@ -356,7 +265,7 @@ class Avr:
         def called(_: object, cycle: int, kind: int, written: int) -> None:
             watcher(cycle, chr(kind), written)
 
-        callback = _WATCHER(called)
+        callback = RAW_WATCHER(called)
         number = self._checked(
             self._lib.sim_watch(self._sim, port.encode(), mask, value, callback, None)
         )
@@ -379,7 +288,7 @@ class Avr:
 
 
 def _named(pin: str) -> tuple[bytes, int]:
-    """ "C0" as the harness wants it."""
+    """Port and number of a pin like "C0", as the harness wants them."""
     if len(pin) != 2 or pin[0] not in "BCD" or pin[1] not in "01234567":
         raise RigError(f"no pin {pin!r}; B0 to D7 are pins")
     return pin[0].encode(), int(pin[1])

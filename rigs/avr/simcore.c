@@ -57,6 +57,12 @@ void sim_at(sim_t *sim, uint64_t cycle, avr_cycle_timer_t timer) {
     avr_cycle_timer_register(sim->avr, cycle > now ? cycle - now : 0, timer, NULL);
 }
 
+unsigned sim_access_cycles(const sim_t *sim) {
+    if (!sim_repairs(sim, SIM_REPAIR_WRITE_END))
+        return 0;
+    return (sim->avr->flash[sim->avr->pc + 1] & 0xF0) == 0xB0 ? 1 : 2; /* IN and OUT, or another */
+}
+
 /* simavr prints what it loads; only what is wrong is of interest. */
 static void log_errors(avr_t *avr, const int level, const char *format, va_list arguments) {
     (void)avr;
@@ -141,6 +147,7 @@ static void run_batch(avr_t *avr) {
         after_reset(sim);
     avr_flashaddr_t new_pc = avr->pc;
     int slept = avr->state == cpu_Sleeping;
+    sim->counters.batches++;
     if (avr->state == cpu_Running) {
         uint64_t left_cycles = sim->run_end > avr->cycle ? sim->run_end - avr->cycle : 1;
         if (avr->run_cycle_count > left_cycles)
@@ -211,6 +218,13 @@ static void find_modules(sim_t *sim) {
             sim->timers.timer[((avr_timer_t *)io)->name - '0'] = (avr_timer_t *)io;
 }
 
+static void forget(elf_firmware_t *image) {
+    for (uint32_t i = 0; i < image->symbolcount; i++)
+        free(image->symbol[i]);
+    free(image->symbol);
+    free(image->flash);
+}
+
 static void load(sim_t *sim, elf_firmware_t *image) {
     avr_t *avr = sim->avr;
     avr_init(avr);
@@ -221,13 +235,14 @@ static void load(sim_t *sim, elf_firmware_t *image) {
     /* SRAM holds anything at power-on; where the pattern is gone, something was written. */
     memset(avr->data + SRAM_START, STACK_PATTERN, avr->ramend + 1 - SRAM_START);
     sim->data_end = SRAM_START + image->datasize + image->bsssize;
+    forget(image); /* it was copied */
 }
 
 sim_t *sim_open(const char *elf_path, uint32_t repairs) {
     elf_firmware_t image;
     memset(&image, 0, sizeof image);
     avr_global_logger_set(log_errors);
-    if (elf_read_firmware(elf_path, &image))
+    if (elf_read_firmware(elf_path, &image) || !image.flashsize)
         return NULL;
     sim_t *sim = calloc(1, sizeof *sim);
     sim->repairs = repairs;

@@ -49,6 +49,7 @@ typedef struct {
     uint64_t tx_dropped;     /* UDR0 written while it was full */
     uint64_t resets;         /* power-on included */
     uint64_t slept_cycles;
+    uint64_t batches; /* of instructions: what a run costs us, not the AVR */
 } sim_counters_t;
 
 typedef struct {

@@ -16,11 +16,7 @@ static const struct {
 } PORTS[3] = {{'B', 0x23}, {'C', 0x26}, {'D', 0x29}};
 
 uint64_t sim_write_cycle(const sim_t *sim) {
-    const avr_t *avr = sim->avr;
-    if (!sim_repairs(sim, SIM_REPAIR_WRITE_END))
-        return avr->cycle;
-    unsigned opcode = avr->flash[avr->pc] | avr->flash[avr->pc + 1] << 8;
-    return avr->cycle + ((opcode & 0xF800) == 0xB800 ? 1 : 2); /* OUT, or any other store */
+    return sim->avr->cycle + sim_access_cycles(sim);
 }
 
 /* ---- levels from outside ---- */
@@ -77,6 +73,8 @@ static int new_watch(sim_t *sim, watch_t watch) {
     for (int i = 0; i < WATCHES; i++)
         if (!sim->pins.watches[i].port) {
             sim->pins.watches[i] = watch;
+            if (i >= sim->pins.watches_end)
+                sim->pins.watches_end = i + 1;
             return i;
         }
     return -1;
@@ -116,7 +114,7 @@ static void fulfil(sim_t *sim, watch_t *watch, uint64_t cycle, uint8_t value) {
 }
 
 void pins_written(sim_t *sim, uint64_t cycle, char port, uint8_t value) {
-    for (int i = 0; i < WATCHES; i++) {
+    for (int i = 0; i < sim->pins.watches_end; i++) {
         watch_t *watch = &sim->pins.watches[i];
         if (watch->port != port)
             continue;

@@ -70,6 +70,7 @@ typedef struct {
 typedef struct {
     QUEUE_OF(pin_change_t) due; /* sorted by cycle */
     watch_t watches[WATCHES];
+    int watches_end; /* none in use from here on */
     uint8_t driven[3], level[3]; /* per port B C D */
 } pins_t;
 
@@ -125,6 +126,19 @@ void *sim_more_room(void *items, size_t size, size_t *head, size_t *tail, size_t
 void sim_log_event(sim_t *sim, uint64_t cycle, uint8_t kind, uint8_t value);
 /* Calls `timer` at an absolute cycle, which may have passed. */
 void sim_at(sim_t *sim, uint64_t cycle, avr_cycle_timer_t timer);
+
+/* How long the instruction in hand takes that reads or writes a register. */
+unsigned sim_access_cycles(const sim_t *sim);
+
+/* Registers of USART0, in the data space. */
+enum { UCSR0A = 0xC0, UCSR0B, UCSR0C, UBRR0L = 0xC4, UBRR0H, UDR0 };
+enum { UCSR0A_U2X = 0x02 };
+
+void wire_start(sim_t *sim); /* something is to be sent: sees that the line is served */
+void wire_sent(sim_t *sim, uint64_t cycle, uint8_t byte);
+uint64_t wire_frame_cycles(const sim_t *sim);
+void uart_frame_starts(sim_t *sim, uint8_t byte, int framing_error);
+void uart_frame_ends(sim_t *sim);
 
 void uart_open(sim_t *sim);
 void uart_reset(sim_t *sim);       /* cycle timers are gone: start again */

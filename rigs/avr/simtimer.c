@@ -5,6 +5,8 @@
  *         SBI touches its own bit only. Stock: it writes back all that read as one.
  * Rule 3: an interrupt is the AND of flag and enable bit, whichever comes last.
  * Rule 4: a stopped timer keeps its count and takes a new one.
+ * Rule 5: a timer starts when the instruction that starts it ends, and is read in the last cycle of
+ *         the one that reads it: LDS takes two.
  */
 #include "simstate.h"
 
@@ -37,6 +39,14 @@ static void stock_write(sim_t *sim, avr_io_addr_t address, uint8_t value) {
         seam->write(sim->avr, address, value, seam->param);
     else
         sim->avr->data[address] = value;
+}
+
+/* For registers that start something: it starts when the instruction has ended. */
+static void stock_write_at_end(sim_t *sim, avr_io_addr_t address, uint8_t value) {
+    unsigned access_cycles = sim_access_cycles(sim);
+    sim->avr->cycle += access_cycles;
+    stock_write(sim, address, value);
+    sim->avr->cycle -= access_cycles;
 }
 
 /* ---- flags ---- */
@@ -97,15 +107,19 @@ static uint16_t current_count(sim_t *sim, int timer) {
     avr_timer_t *io = sim->timers.timer[timer];
     if (!io->tov_cycles || !io->tov_top)
         return io->tov_cycles ? 0 : sim->timers.held[timer];
-    uint64_t elapsed_cycles = sim->avr->cycle - io->tov_base;
-    return (uint16_t)(elapsed_cycles * (io->tov_top + 1) / io->tov_cycles);
+    unsigned access_cycles = sim_access_cycles(sim);
+    uint64_t read_cycle = sim->avr->cycle + (access_cycles ? access_cycles - 1 : 0);
+    int64_t elapsed_cycles = (int64_t)(read_cycle - io->tov_base); /* the base may be below 0 */
+    if (elapsed_cycles < 0)
+        elapsed_cycles = 0;
+    return (uint16_t)((uint64_t)elapsed_cycles * (io->tov_top + 1) / io->tov_cycles);
 }
 
 static void put_count(sim_t *sim, int timer, uint16_t count) {
     uint16_t low = TIMER_REGISTERS[timer].count_low, high = TIMER_REGISTERS[timer].count_high;
     if (high)
         sim->avr->data[high] = (uint8_t)(count >> 8);
-    stock_write(sim, low, (uint8_t)count);
+    stock_write_at_end(sim, low, (uint8_t)count);
 }
 
 static void write_count(avr_t *avr, avr_io_addr_t address, uint8_t value, void *param) {
@@ -114,7 +128,7 @@ static void write_count(avr_t *avr, avr_io_addr_t address, uint8_t value, void *
     int timer = timer_of(address);
     uint16_t high = TIMER_REGISTERS[timer].count_high;
     sim->timers.held[timer] = (uint16_t)(value | (high ? avr->data[high] << 8 : 0));
-    stock_write(sim, address, value);
+    stock_write_at_end(sim, address, value);
 }
 
 static uint8_t read_count(avr_t *avr, avr_io_addr_t address, void *param) {
@@ -171,7 +185,7 @@ static void write_control(avr_t *avr, avr_io_addr_t address, uint8_t value, void
     int keeps = sim_repairs(sim, SIM_REPAIR_STOPPED_COUNT) && avr->data[address] != value;
     if (keeps && running(sim, timer))
         sim->timers.held[timer] = current_count(sim, timer);
-    stock_write(sim, address, value);
+    stock_write_at_end(sim, address, value);
     if (keeps && running(sim, timer) && sim->timers.held[timer])
         put_count(sim, timer, sim->timers.held[timer]);
     if (timer == 1 && sim_repairs(sim, SIM_REPAIR_CTC_ZERO))

@@ -1,72 +1,19 @@
-/* USART0, as the data sheet has it (ATmega328P, chapter 20), and the host at the other end.
+/* USART0, as the data sheet has it (ATmega328P, chapter 20). The wire itself is in simwire.c.
  *
- * Rule 1: a frame is start bit, data bits, parity if set, stop bits: 10 bits for 8N1.
- * Rule 2: the receiver keeps two bytes, and a third in its shift register until the next start
+ * Rule 1: the receiver keeps two bytes, and a third in its shift register until the next start
  *         bit. Then the third is lost, DOR is set, and it is counted.
- * Rule 3: the transmitter has a shift register and one byte of buffer. UDRE says the buffer is
+ * Rule 2: the transmitter has a shift register and one byte of buffer. UDRE says the buffer is
  *         free; TXC that both are empty.
- * Rule 4: RXC and UDRE interrupts are levels: they come again while their cause lasts.
- * Rule 5: the host does not listen before it speaks: what arrives while RXEN is off is lost.
+ * Rule 3: RXC and UDRE interrupts are levels: they come again while their cause lasts.
  *
- *   wire    ____ s 0 1 2 3 4 5 6 7 P ____ s 0 1 ...        10 bits each, gap between them as fed
- *                |                 |      |
- *           on_wire = byte     received   next start bit: a held third byte is lost here
+ *   wire     s 1 P  s 2 P  s 3 P  s 4 P           frames, nobody reads
+ *   buffer        1      1,2    1,2
+ *   held                        3   | 3 is lost here, at the start bit, not when 4 is complete
  */
-#include <string.h>
-
 #include "simstate.h"
 
-#define UCSR0A 0xC0
-#define UCSR0B 0xC1
-#define UCSR0C 0xC2
-#define UBRR0L 0xC4
-#define UBRR0H 0xC5
-#define UDR0 0xC6
-enum { RXC = 0x80, TXC = 0x40, UDRE = 0x20, FE = 0x10, DOR = 0x08, UPE = 0x04, U2X = 0x02 };
-enum { MPCM = 0x01 };
+enum { RXC = 0x80, TXC = 0x40, UDRE = 0x20, FE = 0x10, DOR = 0x08, UPE = 0x04, MPCM = 0x01 };
 enum { RXCIE = 0x80, TXCIE = 0x40, UDRIE = 0x20, RXEN = 0x10, TXEN = 0x08 };
-#define STOCK_FRAME_BITS 11 /* the stock model always adds a parity bit */
-
-static int bit_cycles(const sim_t *sim) {
-    const uint8_t *data = sim->avr->data;
-    int divisor = (data[UBRR0L] | (data[UBRR0H] & 0x0F) << 8) + 1;
-    return divisor * (data[UCSR0A] & U2X ? 8 : 16);
-}
-
-static int frame_bits(const sim_t *sim) {
-    if (!sim_repairs(sim, SIM_REPAIR_UART))
-        return STOCK_FRAME_BITS;
-    uint8_t control = sim->avr->data[UCSR0C];
-    int parity_bits = control & 0x20 ? 1 : 0;
-    int stop_bits = control & 0x08 ? 2 : 1;
-    return 1 + 5 + (control >> 1 & 3) + parity_bits + stop_bits;
-}
-
-static double host_bit_cycles(const sim_t *sim) {
-    return sim->uart.host_bit_cycles > 0 ? sim->uart.host_bit_cycles : bit_cycles(sim);
-}
-
-static uint64_t host_frame_cycles(const sim_t *sim) {
-    return (uint64_t)(frame_bits(sim) * host_bit_cycles(sim) + 0.5);
-}
-
-double sim_bit_cycles(const sim_t *sim) { return bit_cycles(sim); }
-void sim_host_bit_cycles(sim_t *sim, double cycles) { sim->uart.host_bit_cycles = cycles; }
-
-/* What a receiver at our rate makes of a byte sent at the host's: it samples the middle of each
- * of its own bits. `stop` is the level where the stop bit should be. */
-static uint8_t heard(const sim_t *sim, uint8_t byte, int *stop) {
-    double ratio = bit_cycles(sim) / host_bit_cycles(sim);
-    unsigned line = 0xFFFFFE00u | (unsigned)byte << 1; /* bit 0: start; from bit 9 on: idle */
-    unsigned result = 0;
-    for (int i = 0; i <= 9; i++) {
-        int at = (int)((i + 0.5) * ratio);
-        unsigned level = at > 31 ? 1 : line >> at & 1;
-        result |= level << i;
-    }
-    *stop = result >> 9 & 1;
-    return (uint8_t)(result >> 1);
-}
 
 /* ---- receiver ---- */
 
@@ -84,19 +31,18 @@ static void keep(sim_t *sim, uint8_t byte) {
     offer_received(sim);
 }
 
-static void frame_starts(sim_t *sim, uint8_t byte) {
+void uart_frame_starts(sim_t *sim, uint8_t byte, int framing_error) {
     uart_t *uart = &sim->uart;
-    int stop;
     if (uart->held >= 0) {
         uart->held = -1;
         sim->counters.overruns++;
         sim->avr->data[UCSR0A] |= DOR;
     }
-    uart->on_wire = heard(sim, byte, &stop);
-    uart->framing_error = !stop;
+    uart->on_wire = byte;
+    uart->framing_error = framing_error;
 }
 
-static void frame_ends(sim_t *sim) {
+void uart_frame_ends(sim_t *sim) {
     uart_t *uart = &sim->uart;
     uint8_t byte = (uint8_t)uart->on_wire;
     uart->on_wire = -1;
@@ -110,48 +56,6 @@ static void frame_ends(sim_t *sim) {
         sim->avr->data[UCSR0A] |= FE;
     }
     keep(sim, byte);
-}
-
-/* The wire: the end of one frame, and the start of the next. */
-static avr_cycle_count_t wire(avr_t *avr, avr_cycle_count_t when, void *param) {
-    (void)param;
-    sim_t *sim = sim_of(avr);
-    uart_t *uart = &sim->uart;
-    if (uart->on_wire >= 0) {
-        frame_ends(sim);
-        if (!QUEUE_EMPTY(uart->fed) && uart->fed.items[uart->fed.head].gap_cycles)
-            return uart->wire_due = when + uart->fed.items[uart->fed.head].gap_cycles;
-    }
-    if (QUEUE_EMPTY(uart->fed))
-        return 0;
-    fed_t next = uart->fed.items[uart->fed.head];
-    if (next.earliest_cycle > when)
-        return uart->wire_due = next.earliest_cycle;
-    uart->fed.head++;
-    frame_starts(sim, next.byte);
-    return uart->wire_due = when + host_frame_cycles(sim);
-}
-
-/* The stock receiver, fed through its own door. */
-static avr_cycle_count_t stock_wire(avr_t *avr, avr_cycle_count_t when, void *param) {
-    (void)param;
-    sim_t *sim = sim_of(avr);
-    uart_t *uart = &sim->uart;
-    if (QUEUE_EMPTY(uart->fed))
-        return 0;
-    fed_t next = uart->fed.items[uart->fed.head];
-    if (next.earliest_cycle > when)
-        return uart->wire_due = next.earliest_cycle;
-    uart->fed.head++;
-    sim->counters.rx_bytes++;
-    avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT), next.byte);
-    return uart->wire_due = when + host_frame_cycles(sim) + next.gap_cycles;
-}
-
-static void start_wire(sim_t *sim) {
-    avr_cycle_timer_t pump = sim_repairs(sim, SIM_REPAIR_UART) ? wire : stock_wire;
-    if (!avr_cycle_timer_status(sim->avr, pump, NULL))
-        sim_at(sim, sim->uart.wire_due, pump);
 }
 
 static uint8_t read_udr(avr_t *avr, avr_io_addr_t address, void *param) {
@@ -182,17 +86,11 @@ static void flush_receiver(sim_t *sim) {
 
 /* ---- transmitter ---- */
 
-static void sent(sim_t *sim, uint64_t cycle, uint8_t byte) {
-    sim_event_t event = {cycle, 'T', byte, {0}};
-    QUEUE_PUSH(sim->uart.sent, event);
-    sim->counters.tx_bytes++;
-}
-
 static avr_cycle_count_t shifted_out(avr_t *avr, avr_cycle_count_t when, void *param) {
     (void)param;
     sim_t *sim = sim_of(avr);
     uart_t *uart = &sim->uart;
-    sent(sim, when, (uint8_t)uart->tx_shift);
+    wire_sent(sim, when, (uint8_t)uart->tx_shift);
     uart->tx_shift = uart->tx_buffer;
     uart->tx_buffer = -1;
     if (uart->tx_shift < 0) {
@@ -200,7 +98,7 @@ static avr_cycle_count_t shifted_out(avr_t *avr, avr_cycle_count_t when, void *p
         return 0;
     }
     avr_raise_interrupt(avr, &sim->uart_io->udrc);
-    return uart->tx_due = when + (uint64_t)(frame_bits(sim) * bit_cycles(sim));
+    return uart->tx_due = when + wire_frame_cycles(sim);
 }
 
 static void write_udr(avr_t *avr, avr_io_addr_t address, uint8_t byte, void *param) {
@@ -211,7 +109,7 @@ static void write_udr(avr_t *avr, avr_io_addr_t address, uint8_t byte, void *par
         return;
     if (uart->tx_shift < 0) { /* moves on into the shift register at once: UDRE stays */
         uart->tx_shift = byte;
-        uart->tx_due = avr->cycle + (uint64_t)(frame_bits(sim) * bit_cycles(sim));
+        uart->tx_due = sim_write_cycle(sim) + wire_frame_cycles(sim);
         sim_at(sim, uart->tx_due, shifted_out);
     } else if (uart->tx_buffer < 0) {
         uart->tx_buffer = byte;
@@ -227,7 +125,7 @@ static void write_udr(avr_t *avr, avr_io_addr_t address, uint8_t byte, void *par
 static void write_ucsra(avr_t *avr, avr_io_addr_t address, uint8_t value, void *param) {
     (void)param;
     sim_t *sim = sim_of(avr);
-    uint8_t settable = U2X | MPCM;
+    uint8_t settable = UCSR0A_U2X | MPCM;
     avr->data[address] = (uint8_t)((avr->data[address] & ~settable) | (value & settable));
     if (value & TXC) {
         avr_clear_interrupt(avr, &sim->uart_io->txc);
@@ -266,8 +164,8 @@ void uart_reset(sim_t *sim) {
     uart_t *uart = &sim->uart;
     uart->buffered = 0;
     uart->held = uart->tx_shift = uart->tx_buffer = -1;
-    if (uart->on_wire >= 0 || !QUEUE_EMPTY(uart->fed)) /* the host does not notice a reset */
-        start_wire(sim);
+    if (sim_backlog(sim)) /* the host does not notice a reset */
+        wire_start(sim);
 }
 
 void uart_after_reset(sim_t *sim) {
@@ -281,7 +179,7 @@ void uart_after_reset(sim_t *sim) {
 static void stock_sent(avr_irq_t *irq, uint32_t byte, void *param) {
     (void)irq;
     sim_t *sim = param;
-    sent(sim, sim->avr->cycle, (uint8_t)byte);
+    wire_sent(sim, sim->avr->cycle, (uint8_t)byte);
 }
 
 static void take_register(avr_t *avr, avr_io_addr_t address, avr_io_read_t read,
@@ -307,32 +205,4 @@ void uart_open(sim_t *sim) {
     take_register(avr, UCSR0A, NULL, write_ucsra);
     take_register(avr, UCSR0B, NULL, write_ucsrb);
     take_register(avr, UBRR0L, NULL, NULL);
-}
-
-/* ---- the host's end ---- */
-
-void sim_feed(sim_t *sim, const uint8_t *bytes, size_t count, uint64_t earliest_cycle,
-              uint32_t gap_cycles) {
-    for (size_t i = 0; i < count; i++) {
-        fed_t fed = {earliest_cycle, gap_cycles, bytes[i]};
-        QUEUE_PUSH(sim->uart.fed, fed);
-    }
-    if (count)
-        start_wire(sim);
-}
-
-size_t sim_backlog(const sim_t *sim) {
-    return QUEUE_COUNT(sim->uart.fed) + (sim->uart.on_wire >= 0);
-}
-
-void sim_drop_backlog(sim_t *sim) { sim->uart.fed.head = sim->uart.fed.tail = 0; }
-
-size_t sim_take(sim_t *sim, sim_event_t *events, size_t room) {
-    size_t count = QUEUE_COUNT(sim->uart.sent);
-    if (count > room)
-        count = room;
-    if (count)
-        memcpy(events, sim->uart.sent.items + sim->uart.sent.head, count * sizeof *events);
-    sim->uart.sent.head += count;
-    return count;
 }
