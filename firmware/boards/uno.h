@@ -21,7 +21,7 @@
 #include <stdint.h>
 
 #define BOARD_NAME "uno"
-#define BOARD_RING 944
+#define BOARD_RING 900
 
 /* Data byte to port bytes. PD0 is RX with pull-up, PD1 is TX. */
 #define PORT_LOW PORTD
