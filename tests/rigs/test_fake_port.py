@@ -15,17 +15,14 @@ import pytest
 
 from fraese.errors import PortError
 from fraese.motor.seams import CONTROL, DATA, STATUS
-from tests.rigs.lpt.fakeport import AT_REST, CONTACT, Event, FakePort, missing
+from tests.rigs.lpt.fakeport import AT_REST, CONTACT, Event, FakePort, missing, writes
 from tests.rigs.lpt.play import WIRINGS, simulated_writes
 from tests.rigs.lpt.remote import RemotePort
+from tests.rigs.lpt.steps import MOTORS_OFF, check_contact
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=missing())
 
 KINDS = ("ppdev", "devport")
-#: Control register bits of no concern to a card: interrupt and direction.
-OTHERS = 0x30
-MOTORS_OFF = {0x1B, 0x5B, 0x9B}
-CLOCKS = 0xAA
 
 Opened = Callable[..., AbstractContextManager[RemotePort]]
 
@@ -70,11 +67,7 @@ def test_a_job_writes_the_same_bytes_as_on_the_simulated_mill(
 ) -> None:
     said = played(fake, wiring, kind, "everything")
     assert said == {"ended": "target", "position_steps": [117, 105, 62]}
-    written = [
-        (e.register, e.value & 0x0F if e.register == CONTROL else e.value)
-        for e in after_claim(fake.events())
-        if e.what == "W"
-    ]
+    written = writes(after_claim(fake.events()))
     expected = simulated_writes(wiring, "everything")
     assert len(expected) > 400
     assert written == expected
@@ -93,21 +86,9 @@ def test_a_contact_stops_within_the_tick_in_hand(fake: FakePort, wiring: str, ki
     contact = next(
         i for i, e in enumerate(events) if (e.what, e.register, e.value) == ("R", STATUS, CONTACT)
     )
-    before = steps_made(wiring, events[:contact])
-    # Three motors step in each tick: the tick in hand is finished, none is begun.
-    assert steps_made(wiring, events) == -(-before // 3) * 3
-    assert said["position_steps"] == [steps_made(wiring, events) // 3] * 3
-    assert 100 < said["position_steps"][0] < 60_000
-
-
-def steps_made(wiring: str, events: list[Event]) -> int:
-    """Phase bytes after the first energising, or clock lines that rose."""
-    data = [e.value for e in after_claim(events) if (e.what, e.register) == ("W", DATA)]
-    if wiring == "smc":
-        # The motors are energised once, each in the phase it has.
-        return sum(value not in MOTORS_OFF for value in data) - 3
-    rises = zip([0, *data], data, strict=False)
-    return sum((~before & after & CLOCKS).bit_count() for before, after in rises)
+    check_contact(
+        wiring, writes(events[:contact]), writes(events[contact:]), said["position_steps"]
+    )
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -118,7 +99,7 @@ def test_motors_are_off_before_the_port_is_given_back(fake: FakePort, kind: str)
     assert whats.startswith({"ppdev": "OEWWCW", "devport": "ORRRW"}[kind])
     assert whats.endswith({"ppdev": "WLX", "devport": "WX"}[kind])
     last = [e.value for e in events if (e.what, e.register) == ("W", DATA)][-3:]
-    assert set(last) == MOTORS_OFF
+    assert tuple(last) == MOTORS_OFF
     # The last strobe has latched the last byte, and rests.
     assert [e.value & 1 for e in events if (e.what, e.register) == ("W", CONTROL)][-2:] == [1, 0]
     assert "?" not in whats
@@ -135,7 +116,7 @@ def test_a_signal_in_the_middle_leaves_the_motors_off(
     printed, _ = player.communicate(timeout=20)
     assert json.loads(printed)["ended"] == "stop"
     last = [e.value for e in fake.events() if (e.what, e.register) == ("W", DATA)][-3:]
-    assert set(last) == MOTORS_OFF
+    assert tuple(last) == MOTORS_OFF
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -166,16 +166,15 @@ class FakePort:
         """For a process that is to have this port."""
         return {**os.environ, "LD_PRELOAD": str(library()), "FAKELPT": str(self.path)}
 
-    def start(self, *arguments: str, **options: object) -> subprocess.Popen[str]:
+    def start(self, *arguments: str) -> subprocess.Popen[str]:
         """Start a Python module that has the port; its output can be read as text."""
-        return subprocess.Popen(  # type: ignore[call-overload, no-any-return]
+        return subprocess.Popen(
             [sys.executable, "-m", *arguments],
             env=self.environment(),
             cwd=ROOT,
             text=True,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            **options,
         )
 
     def python(self, *arguments: str, timeout_s: float = 60.0) -> str:

@@ -8,29 +8,35 @@ file is both ends: ``python -m tests.rigs.lpt.remote`` is the worker.
 """
 
 import json
+import subprocess
 import sys
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 from fraese.errors import PortError
 from fraese.motor.ports.devport import DevPort
 from fraese.motor.ports.ppdev import PpdevPort
 from fraese.motor.seams import Port
-from tests.rigs.lpt.fakeport import FakePort
 
 #: What the configuration calls them.
 PORTS = {"ppdev": PpdevPort, "devport": DevPort}
 
 
+class Launcher(Protocol):
+    """Starts a Python module where the port is: a fake port, or a guest's own."""
+
+    def start(self, *arguments: str) -> subprocess.Popen[str]: ...
+
+
 class RemotePort:
-    """The port of that kind, opened by a worker on a fake port.
+    """The port of that kind, opened by a worker.
 
     Raises:
         PortError: whatever the worker's port says.
     """
 
-    def __init__(self, fake: FakePort, kind: str, *arguments: object) -> None:
-        self._worker = fake.start("tests.rigs.lpt.remote")
+    def __init__(self, launcher: Launcher, kind: str, *arguments: object) -> None:
+        self._worker = launcher.start("tests.rigs.lpt.remote")
         self.pid = self._worker.pid
         try:
             self._ask(kind, *arguments)
