@@ -50,6 +50,7 @@ BOOTS: Final[Mapping[str, Boot]] = {
             "careless claimant",
             "printer driver",
             "no driver",
+            "drivers loaded anew",
             "permissions",
         )
     ),

@@ -18,8 +18,10 @@ from tests.rigs.lpt.steps import MOTORS_OFF, check_contact, data_bytes, steps_ma
 
 Writes = Sequence[tuple[int, int]]
 
-#: A claim writes control twice, before anything else.
-CLAIM_WRITES: Final = 2
+#: What the kernel itself writes: control at rest. DB25 pins 1, 14 and 16 are high then, 17 is low.
+AT_REST: Final = (CONTROL, 0x0C)
+#: A claim puts control to rest, twice, before anything else.
+CLAIM: Final = [AT_REST] * 2
 
 
 @dataclass(frozen=True)
@@ -52,8 +54,8 @@ def job(wiring: str, kind: str, outcome: Outcome) -> None:
     assert outcome.said == {"ended": "target", "position_steps": [117, 105, 62]}
     written = outcome.writes()
     if kind == "ppdev":
-        claim, written = written[:CLAIM_WRITES], written[CLAIM_WRITES:]
-        assert {register for register, _ in claim} == {CONTROL}
+        claim, written = written[: len(CLAIM)], written[len(CLAIM) :]
+        assert claim == CLAIM
     assert written == simulated_writes(wiring, "everything")
 
 
@@ -145,6 +147,16 @@ def no_driver(outcome: Outcome) -> None:
     assert outcome.said["afterwards"] == ""
 
 
+def drivers_anew(outcome: Outcome) -> None:
+    """Loading parport_pc makes the data lines dance, and leaves the control lines at rest."""
+    assert outcome.said["refused"] == ""
+    assert len(outcome.data()) >= 20
+    controls = [write for write in outcome.writes() if write[0] == CONTROL]
+    assert controls[-1] == AT_REST
+    # No strobe: a phase-current card takes none of these bytes.
+    assert not any(value & 1 for _, value in controls)
+
+
 def permissions(outcome: Outcome) -> None:
     """Each refusal says what would help, and it does help."""
     said = outcome.said
@@ -183,6 +195,7 @@ CHECKS: Final[Mapping[str, Callable[[Outcome], None]]] = {
     "careless claimant": careless_claimant,
     "printer driver": printer_driver,
     "no driver": no_driver,
+    "drivers loaded anew": drivers_anew,
     "permissions": permissions,
     "lockdown": lockdown,
     "locked job, smc on ppdev": partial(job_without_marks, "smc"),

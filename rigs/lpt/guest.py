@@ -26,6 +26,7 @@ from typing import Any, Final
 from fraese.errors import PortError
 from fraese.motor.clock import VirtualClock
 from fraese.motor.ports import facts
+from rigs.lpt.forked import Forked
 from rigs.lpt.kernel import kernel
 from rigs.lpt.machine import MARK
 from tests.rigs.lpt.play import PORTS, bench_of, core_on, play
@@ -39,23 +40,18 @@ BASE: Final = 0x378
 END_MARK: Final = 0
 
 
-class Bare:
-    """Starts Python modules as they are, on the guest's own port."""
+class Here:
+    """Starts Python modules on the guest's own port."""
 
-    def start(self, *arguments: str) -> subprocess.Popen[str]:
-        """Its output can be read as text."""
-        return subprocess.Popen(
-            [sys.executable, "-m", *arguments],
-            text=True,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-        )
+    def start(self, *arguments: str) -> Forked:
+        """A module and the arguments of its ``main``."""
+        return Forked(*arguments)
 
 
 @contextmanager
 def remote(kind: str) -> Iterator[RemotePort]:
     """A port in a process of its own."""
-    port = RemotePort(Bare(), kind)
+    port = RemotePort(Here(), kind)
     try:
         yield port
     finally:
@@ -135,10 +131,10 @@ def driven(wiring: str, kind: str) -> Said:
 
 def signalled(number: signal.Signals, kind: str) -> Said:
     """A signal while it moves."""
-    with Bare().start("tests.rigs.lpt.play", "smc", kind, "endless") as player:
-        moving = _wait_until_it_moves()
-        player.send_signal(number)
-        player.wait(30)
+    player = Here().start("tests.rigs.lpt.play", "smc", kind, "endless")
+    moving = _wait_until_it_moves()
+    player.send_signal(number)
+    player.communicate()
     return {"moving": moving, "left_on_pins": pins(), "code": player.returncode}
 
 
@@ -234,6 +230,15 @@ def no_driver() -> Said:
     return {"facts": found, "refused": refused, "afterwards": refusal("ppdev")}
 
 
+def drivers_anew() -> Said:
+    """What the kernel's own drivers do to the lines when they are loaded."""
+    for name in ("ppdev", "parport_pc"):
+        rmmod(name)
+    for name in ("parport_pc", "ppdev"):
+        insmod(name)
+    return {"refused": refusal("ppdev")}
+
+
 def permissions() -> Said:
     """A user without rights; the group may; the user is in it."""
     import grp
@@ -297,6 +302,7 @@ SCENARIOS: Final[Mapping[str, Callable[[], Said]]] = {
     "careless claimant": careless_claimant,
     "printer driver": printer_driver,
     "no driver": no_driver,
+    "drivers loaded anew": drivers_anew,
     "permissions": permissions,
     "lockdown": lockdown,
     "locked job, smc on ppdev": partial(job, "smc", "ppdev"),

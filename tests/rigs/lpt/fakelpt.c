@@ -15,8 +15,8 @@
  * Rule 2: every fake descriptor is the bench file, opened anew, and a registration is a flock() on
  *         it: exclusive after PPEXCL, else shared. So it ends where the kernel's ends: with the last
  *         close, also that of a killed process. A record lock on /dev/port is a true one, too.
- * Rule 3: what the kernel does to the registers by itself is done and logged here too: PPCLAIM
- *         writes control twice, bit 4 of control is the kernel's; release and close write nothing.
+ * Rule 3: what the kernel does to the registers by itself is done and logged here too: a claim puts
+ *         control to rest, twice; bit 4 of it is the kernel's; release and close write nothing.
  *
  * Not modelled: two owners of a shared port taking turns, interrupts, and time on the bus.
  */
@@ -38,6 +38,7 @@
 #define BASE 0x378
 #define KERNEL_BITS 0x10 /* of control: the kernel's interrupt bit */
 #define CARD_BITS 0x0f   /* of control: what ppdev lets through */
+#define CLAIMED 0x0c     /* control after a claim: DB25 pins 1, 14 and 16 high, 17 low */
 #define MAX_FD 4096
 
 enum { DATA, STATUS, CONTROL, REGISTERS };
@@ -189,8 +190,8 @@ static int claim(int fd) {
     errno = ENXIO;
     return -1;
   }
-  write_control(bench->lines[CONTROL]);
-  write_control(bench->lines[CONTROL]);
+  write_control(CLAIMED);
+  write_control(CLAIMED);
   files[fd].claimed = 1;
   note('C', 0, 0);
   return 0;

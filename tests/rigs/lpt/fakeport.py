@@ -97,7 +97,7 @@ class FakePort:
         self._capacity = capacity
         with self.path.open("w+b") as file:
             file.truncate(_HEADER_BYTES + _EVENT.size * capacity)
-            # The kernel leaves 0x0C in control: pin 16 and 17's bits, no strobe.
+            # As the kernel's drivers leave control: DB25 pins 1, 14 and 16 high, 17 low.
             file.write(_HEADER.pack(0, AT_REST, 0x0C, 0, *[0] * len(REFUSALS), capacity, 0, 0))
             file.flush()
             self._map = mmap.mmap(file.fileno(), 0)

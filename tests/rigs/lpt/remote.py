@@ -8,10 +8,9 @@ file is both ends: ``python -m tests.rigs.lpt.remote`` is the worker.
 """
 
 import json
-import subprocess
 import sys
 from functools import partial
-from typing import Any, Protocol
+from typing import IO, Any, Protocol
 
 from fraese.errors import PortError
 from fraese.motor.ports.devport import DevPort
@@ -22,10 +21,26 @@ from fraese.motor.seams import Port
 PORTS = {"ppdev": PpdevPort, "devport": DevPort}
 
 
+class Process(Protocol):
+    """What is used of ``subprocess.Popen``."""
+
+    pid: int
+
+    @property
+    def stdin(self) -> IO[str] | None: ...
+
+    @property
+    def stdout(self) -> IO[str] | None: ...
+
+    def kill(self) -> None: ...
+
+    def communicate(self) -> object: ...
+
+
 class Launcher(Protocol):
     """Starts a Python module where the port is: a fake port, or a guest's own."""
 
-    def start(self, *arguments: str) -> subprocess.Popen[str]: ...
+    def start(self, *arguments: str) -> Process: ...
 
 
 class RemotePort:
@@ -72,7 +87,7 @@ class RemotePort:
         return answer[0]
 
 
-def serve() -> None:
+def main() -> None:
     """Open the port that the first line names, then do what the others say."""
     port: Port | None = None
     for line in sys.stdin:
@@ -90,4 +105,4 @@ def serve() -> None:
 
 
 if __name__ == "__main__":
-    serve()
+    main()
