@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from rigs.lpt.boots import BOOTS, run
-from rigs.lpt.checks import CHECKS
+from rigs.lpt.checks import check
 from rigs.lpt.kernel import CACHE, NotHere, kernel
 
 
@@ -21,7 +21,7 @@ def main(names: list[str]) -> int:
             print(f"{name}: {time.monotonic() - started_s:.1f} s")
             for scenario, outcome in outcomes.items():
                 try:
-                    CHECKS[scenario](outcome)
+                    check(scenario, outcome)
                     print(f"  ok      {scenario} ({len(outcome.accesses)} accesses)")
                 except AssertionError:
                     failed += 1

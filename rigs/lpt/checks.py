@@ -200,3 +200,13 @@ CHECKS: Final[Mapping[str, Callable[[Outcome], None]]] = {
     "lockdown": lockdown,
     "locked job, smc on ppdev": partial(job_without_marks, "smc"),
 }
+
+
+def check(name: str, outcome: Outcome) -> None:
+    """Judge a scenario.
+
+    Raises:
+        AssertionError: if what must be true of it is not, or it did not come to its end.
+    """
+    assert "failed" not in outcome.said, outcome.said["failed"]
+    CHECKS[name](outcome)

@@ -17,6 +17,7 @@ import shlex
 import subprocess
 import sys
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -75,12 +76,15 @@ class Machine:
         return self._process.poll() is None
 
     def wait(self) -> None:
-        """Until it powers off; fails with what the job printed if that did not end well."""
-        try:
+        """Until it powers off.
+
+        Raises:
+            AssertionError: with what was printed, if the job did not end well or in time.
+        """
+        with suppress(subprocess.TimeoutExpired):
             self._process.wait(TIMEOUT_S)
-        finally:
-            self._process.kill()
-            self._process.wait()
+        self._process.kill()
+        self._process.wait()
         code = self.results / "exit-code"
         ended_well = code.exists() and code.read_text().strip() == "0"
         assert ended_well, f"the guest's job failed:\n{self._last_words()}"

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 import pytest
 
 from rigs.lpt.boots import BOOTS, run
-from rigs.lpt.checks import CHECKS, Outcome
+from rigs.lpt.checks import CHECKS, Outcome, check
 from rigs.lpt.guest import SCENARIOS
 from rigs.lpt.kernel import Kernel, NotHere, kernel
 from tests.rigs.lpt import fakeport
@@ -51,4 +51,4 @@ def test_every_scenario_has_its_check_and_its_boot() -> None:
 
 @pytest.mark.parametrize(("boot", "name"), NAMES, ids=[name for _, name in NAMES])
 def test_scenario(booted: Booted, boot: str, name: str) -> None:
-    CHECKS[name](booted(boot)[name])
+    check(name, booted(boot)[name])
