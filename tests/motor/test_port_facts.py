@@ -67,6 +67,14 @@ def test_another_program_has_it_open(machine: Path) -> None:
     assert not found.lp_holds_it
 
 
+def test_a_link_is_as_good_as_the_device(machine: Path) -> None:
+    put(machine, "proc/sys/dev/parport/parport0/devices/lp/timeslice", "200\n")
+    (machine / "dev/mill").symlink_to("parport0")
+    found = facts.describe("/dev/mill", machine)
+    assert found.device.present
+    assert (found.base, found.registered) == (0x378, ("lp",))
+
+
 def test_each_port_has_its_own_facts(machine: Path) -> None:
     put(machine, "proc/sys/dev/parport/parport1/base-addr", "53264\t0\n")
     put(machine, "proc/sys/dev/parport/parport1/devices/lp/timeslice", "200\n")

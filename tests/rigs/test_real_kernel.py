@@ -44,6 +44,13 @@ def booted(debian: Kernel, tmp_path_factory: pytest.TempPathFactory) -> Booted:
     return boot
 
 
+def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("shutil.which", lambda command: None)
+    with pytest.raises(NotHere, match="qemu-system-x86 busybox-static cpio|needs Linux on x86_64"):
+        kernel()
+    assert "apt-get install" in fakeport.missing() or "needs Linux" in fakeport.missing()
+
+
 def test_every_scenario_has_its_check_and_its_boot() -> None:
     assert set(SCENARIOS) == set(CHECKS) == {name for _, name in NAMES}
     assert len(NAMES) == len(SCENARIOS)

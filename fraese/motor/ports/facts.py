@@ -183,7 +183,7 @@ def base_address(device: str, root: Path = _ROOT) -> int | None:
 
 def openers(device: str, root: Path = _ROOT) -> tuple[str, ...]:
     """Other processes that have a device open, as far as this user may see it."""
-    target = str(_under(root, device))
+    target = os.path.realpath(_under(root, device))
     found = []
     for process in _entries(root / "proc"):
         if not process.name.isdecimal() or int(process.name) == os.getpid():
@@ -220,8 +220,8 @@ def _under(root: Path, path: str) -> Path:
 
 
 def _parport(device: str, root: Path) -> Path | None:
-    """The kernel's folder about the port of that number."""
-    number = re.search(r"(\d+)$", device)
+    """The kernel's folder about the port of that number; the device may be a link to it."""
+    number = re.search(r"(\d+)$", os.path.realpath(_under(root, device)))
     return root / f"proc/sys/dev/parport/parport{number[1]}" if number else None
 
 
