@@ -84,6 +84,8 @@ class Card(Protocol):
     setup_cycles: int
     #: A falling edge comes half an interval after its rising edge, but not earlier than this.
     pulse_cycles: int
+    #: The shortest beat into which a tick may be divided; 0: a tick is not divided.
+    beat_cycles: int
 
     @property
     def fall(self) -> Entries:
@@ -93,7 +95,13 @@ class Card(Protocol):
         """Take the directions (-1, 0, +1) and leader of a block; what must be set up before."""
 
     def tick(self, moving: int) -> Entries:
-        """The motors in the bit mask make one step each, in the block's directions."""
+        """What makes the motors in the bit mask step once, in the block's directions.
+
+        Nothing has happened yet: asked again, it is the same.
+        """
+
+    def stepped(self, moving: int) -> None:
+        """That was written: the motors in the bit mask have made their step."""
 
     def signals(self, active: bool, boost: bool) -> Entries:
         """Tell the drives that motors run, and that they are in a ramp; only what changes."""

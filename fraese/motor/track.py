@@ -10,19 +10,11 @@ Rule 3: motors whose last tick was faster than their start/stop rate are torn: t
 
 from typing import Final
 
-from fraese.blocks import CYCLES_PER_S, RATE_Q8_CYCLES, Block
+from fraese.blocks import CYCLES_PER_S, Block
 from fraese.motor.cursor import Cursor
 
 #: The motor argument of a reading that belongs to no tick.
 BETWEEN_TICKS: Final = -2
-
-
-def is_above_jump(jump_rate_q8: int, cycles: int) -> bool:
-    """An interval is shorter than that of a start/stop rate, or nothing.
-
-    Intervals are cut to whole cycles: a sixteenth covers that.
-    """
-    return not cycles or RATE_Q8_CYCLES // cycles > jump_rate_q8 + (jump_rate_q8 >> 4)
 
 
 class Track:
@@ -77,18 +69,14 @@ class Track:
         """The rate last played is one that the motors cannot stop from without a ramp."""
         if not self.last_cycles or not cursor.leader_bit:
             return False
-        return is_above_jump(cursor.block.jump_rate_q8, self.last_cycles)
+        return cursor.is_above_jump(self.last_cycles)
 
     def position_steps(self, motor: int = BETWEEN_TICKS) -> tuple[int, ...]:
         """Signed count of every motor, after ``motor`` has made its step of the present tick."""
         cursor = self.cursor
         if cursor is None:
             return self._base_steps
-        moved = (
-            cursor.steps_at(cursor.done)
-            if motor == BETWEEN_TICKS
-            else cursor.steps_within_tick(motor)
-        )
+        moved = cursor.steps_now() if motor == BETWEEN_TICKS else cursor.steps_within_beat(motor)
         return tuple(a + b for a, b in zip(self._base_steps, moved, strict=True))
 
     def travelled_steps(self) -> tuple[int, ...]:
@@ -96,7 +84,7 @@ class Track:
         cursor = self.cursor
         if cursor is None:
             return self._travelled_steps
-        moved = cursor.steps_at(cursor.done)
+        moved = cursor.steps_now()
         return tuple(a + abs(b) for a, b in zip(self._travelled_steps, moved, strict=True))
 
     def rate_hz(self) -> float:
