@@ -439,8 +439,8 @@ ramp_slowly:
     rjmp prepare
 1:  rjmp finish
 
-// A write came late: all that follows moves if it was more than a sixteenth of its interval; from
-// a quarter on it is counted (player.c: note_late).
+// A write came late: from a quarter of its interval on it is counted, and all that follows moves
+// (player.c: note_late).
 late:
     cbi  _SFR_IO_ADDR(GPIOR0), 7
     lds  r22, player + PLAYER_LATE
@@ -457,19 +457,12 @@ late:
     ror  r24
     cp   r24, r22
     cpc  r25, r23
-    brsh 2f
+    brsh 3f
     lds  r30, player + PLAYER_LATE_TICKS
     lds  r31, player + PLAYER_LATE_TICKS + 1
     adiw r30, 1
     sts  player + PLAYER_LATE_TICKS, r30
     sts  player + PLAYER_LATE_TICKS + 1, r31
-2:  lsr  r25
-    ror  r24
-    lsr  r25
-    ror  r24
-    cp   r24, r22
-    cpc  r25, r23
-    brsh 3f
     lds  r24, player + PLAYER_DUE
     lds  r25, player + PLAYER_DUE + 1
     add  r24, r22

@@ -109,14 +109,13 @@ static void arm(uint8_t mode, uint32_t wait)
     OCR1A = player.due - EARLY_CYCLES;
 }
 
-/* A write came late: all that follows moves, and a bad one is counted. */
+/* A write came late: if it was much, it is counted, and all that follows moves. */
 static void note_late(uint16_t late, uint32_t interval)
 {
-    if ((uint32_t)late << 4 <= interval)
+    if ((uint32_t)late << 2 <= interval)
         return;
     player.due += late;
-    if ((uint32_t)late << 2 > interval)
-        player.late_ticks++;
+    player.late_ticks++;
 }
 
 uint32_t player_last(void)

@@ -258,7 +258,7 @@ static void set_minors(struct block *block, const ticks_t steps[])
             continue;
         struct minor *minor = &block->minor[count];
         set_mover(&minor->mover, motor, block->forward & bit);
-        minor->sum = (block->ticks >> 1 << 3) - block->limit;
+        minor->sum = ((block->ticks - steps[motor]) >> 1 << 3) - block->limit;
         block->steps[count] = steps[motor];
         block->minor_bits[count] = bit;
         count++;

@@ -108,6 +108,8 @@ static __attribute__((noinline)) void work_out(struct move *move, uint32_t mark)
 {
     uint32_t change = product_q16(throttle.accel_q, mark);
     uint32_t ceiling = throttle.ceiling_q8, jump = throttle.jump_q8;
+    if (move->state == OPENING && ceiling && sum_or_most(move->rate_q8, change) >= ceiling)
+        move->state = LIMITED;
     if (move->state == CLOSING) {
         move->rate_q8 = move->rate_q8 > change ? move->rate_q8 - change : 0;
         if (move->rate_q8 <= jump) {
@@ -118,10 +120,6 @@ static __attribute__((noinline)) void work_out(struct move *move, uint32_t mark)
         move->rate_q8 = approached(move->rate_q8, change);
     } else {
         move->rate_q8 = sum_or_most(move->rate_q8, change);
-        if (ceiling && move->rate_q8 >= ceiling) {
-            move->state = LIMITED;
-            move->rate_q8 = ceiling;
-        }
     }
     if (!move->rate_q8)
         move->rate_q8 = 1;
