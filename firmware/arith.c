@@ -30,14 +30,14 @@ uint32_t rate_over(uint32_t divisor)
 
 uint32_t product_q16(uint32_t a, uint32_t b)
 {
-    union {
-        uint64_t whole;
-        uint16_t word[4];
-    } product;
-    product.whole = (uint64_t)a * b;
-    if (product.word[3])
+    uint16_t a_high = (uint16_t)(a >> 16), a_low = (uint16_t)a;
+    uint16_t b_high = (uint16_t)(b >> 16), b_low = (uint16_t)b;
+    uint32_t high = (uint32_t)a_high * b_high;
+    if (high >> 16)
         return 0xFFFFFFFFUL;
-    return (uint32_t)product.word[2] << 16 | product.word[1];
+    uint32_t sum = sum_or_most(high << 16, (uint32_t)a_high * b_low);
+    sum = sum_or_most(sum, (uint32_t)a_low * b_high);
+    return sum_or_most(sum, (uint32_t)a_low * b_low >> 16);
 }
 
 uint32_t ratio_q16(uint32_t a, uint32_t b)

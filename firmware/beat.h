@@ -14,19 +14,31 @@
 
 #define HERE static inline __attribute__((always_inline))
 
-/* The port bytes of the next beat, in the order in which they are written. */
+struct entry {
+    uint8_t low, high; /* port bytes */
+    uint8_t bit;       /* motor */
+};
+
+/* The port bytes of the next beat, in the order in which they are written. Read by beats.S. */
 struct beat {
-    uint8_t count;
-    uint8_t low[MOTORS_MAX], high[MOTORS_MAX];
-    uint8_t motor[MOTORS_MAX]; /* a bit each */
-    uint8_t pins[MOTORS_MAX];  /* what was read after each */
-    bool control_due;          /* outputs change first */
-    uint8_t control_high, control_extra;
+    struct entry entry[MOTORS_MAX];
+    uint8_t end;  /* low byte of the address behind the last one */
+    uint8_t mask; /* all their motors */
     /* Readings that need no look: ((pins ^ quiet) | restless) & mind == 0. */
     uint8_t quiet, restless, mind;
+    uint8_t pins[MOTORS_MAX]; /* what was read after each */
+    struct entry more; /* beats.S loads one entry too many */
+
+    bool control_due; /* outputs change first */
+    uint8_t control_high, control_extra;
 };
 
 extern struct beat beat;
+
+static inline uint8_t beat_count(void)
+{
+    return (uint8_t)(beat.end - (uint8_t)(uintptr_t)beat.entry) / sizeof(struct entry);
+}
 
 /* Wait until the timer shows `due`, to the cycle; how late it is already otherwise.
  *
@@ -56,54 +68,6 @@ HERE uint16_t wait_for(uint16_t due)
         : [left] "+d"(left)
         : [low] "n"(_SFR_MEM_ADDR(TCNT1L)), [high] "n"(_SFR_MEM_ADDR(TCNT1H)));
     return (uint16_t)-left;
-}
-
-/* A minor axis in one beat: true when it steps. */
-HERE bool minor_steps(struct minor *minor, uint32_t limit)
-{
-    uint32_t sum;
-    uint8_t step;
-    __asm__(
-        "ld   %A[sum], %a[at]       \n\t"
-        "ldd  %B[sum], %a[at]+1     \n\t"
-        "ldd  %C[sum], %a[at]+2     \n\t"
-        "ldd  %D[sum], %a[at]+3     \n\t"
-        "ldd  __tmp_reg__, %a[at]+4 \n\t"
-        "add  %A[sum], __tmp_reg__  \n\t"
-        "ldd  __tmp_reg__, %a[at]+5 \n\t"
-        "adc  %B[sum], __tmp_reg__  \n\t"
-        "ldd  __tmp_reg__, %a[at]+6 \n\t"
-        "adc  %C[sum], __tmp_reg__  \n\t"
-        "ldd  __tmp_reg__, %a[at]+7 \n\t"
-        "adc  %D[sum], __tmp_reg__  \n\t"
-        "sbc  %[step], %[step]      \n\t"
-        : [sum] "=&r"(sum), [step] "=&r"(step)
-        : [at] "b"(minor), "m"(*minor));
-    if (step)
-        sum -= limit;
-    minor->sum = sum;
-    return step;
-}
-
-/* One motor of a phase card moves on in its table: its port bytes into the beat. */
-HERE void add_movement(uint8_t motor, uint8_t forward, uint8_t *count, uint8_t high)
-{
-    uint8_t at = card.phase[motor];
-    uint8_t bit = (uint8_t)_BV(motor);
-    if (forward & bit) {
-        if (++at == card.facts.table_length)
-            at = 0;
-    } else {
-        if (!at)
-            at = card.facts.table_length;
-        at--;
-    }
-    card.phase[motor] = at;
-    uint8_t n = *count;
-    beat.low[n] = card.table[0][at] | card.motor_low[motor];
-    beat.high[n] = card.motor_high[motor] | high;
-    beat.motor[n] = bit;
-    *count = n + 1;
 }
 
 #endif

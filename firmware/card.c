@@ -3,7 +3,7 @@
 
 #define STROBE_NOPS() __builtin_avr_delay_cycles(6)
 
-struct card card;
+struct card card; /* and tracks: beats.S */
 
 static const uint8_t zero_bytes[] = {0x1B, 0x5B, 0x9B};
 
@@ -13,9 +13,17 @@ void card_write_data(uint8_t data)
     PORT_HIGH = (uint8_t)(DATA_HIGH(data) | card.control_high);
 }
 
+void card_shadow_control(uint8_t control)
+{
+    card.control = control;
+    card.control_high = CONTROL_HIGH(control);
+    for (uint8_t motor = 0; motor < MOTORS_MAX; motor++)
+        tracks.motor[motor].high =
+            (uint8_t)(DATA_HIGH(card.facts.motor_bits[motor] & 0xC0) | card.control_high);
+}
+
 void card_write_control(void)
 {
-    card.control_high = CONTROL_HIGH(card.control);
     PORT_HIGH = (uint8_t)((PORT_HIGH & DATA_HIGH_MASK) | card.control_high);
     PORT_EXTRA = (uint8_t)(CONTROL_EXTRA(card.control) | EXTRA_REST);
 }
@@ -36,7 +44,7 @@ static void latch(uint8_t low, uint8_t high)
 
 void card_after_reset(void)
 {
-    card.control = CONTROL_INVERTED & 0x0E; /* pins 14, 16 and 17 low, pin 1 (strobe) high */
+    card_shadow_control(CONTROL_INVERTED & 0x0E); /* pins 14, 16, 17 low, pin 1 (strobe) high */
     card_write_control();
     board_directions();
     for (uint8_t i = 0; i < sizeof zero_bytes; i++)
@@ -58,8 +66,9 @@ bool card_take_table(uint8_t which, const uint8_t *entries, uint8_t length)
 {
     if (which > 1 || length < TABLE_MIN || length > TABLE_MAX)
         return false;
+    uint8_t *table = which ? card.hold : tracks.table;
     while (length--)
-        card.table[which][length] = DATA_LOW(entries[length] & 0x3F);
+        table[length] = DATA_LOW(entries[length] & 0x3F);
     return true;
 }
 
@@ -71,12 +80,11 @@ bool card_load(const uint8_t *bytes)
         return false;
     card.facts = *facts;
     for (uint8_t motor = 0; motor < MOTORS_MAX; motor++) {
-        card.motor_low[motor] = DATA_LOW(facts->motor_bits[motor] & 0xC0);
-        card.motor_high[motor] = DATA_HIGH(facts->motor_bits[motor] & 0xC0);
-        card.phase[motor] = 0;
+        tracks.motor[motor].low = DATA_LOW(facts->motor_bits[motor] & 0xC0);
+        tracks.motor[motor].bit = (uint8_t)_BV(motor);
+        tracks.motor[motor].phase = 0;
     }
-    card.control = facts->control_rest & 0x0F;
-    card.control_high = CONTROL_HIGH(card.control);
+    card_shadow_control(facts->control_rest & 0x0F);
     card.data = facts->clock_rest;
     card.outputs = 0;
     card.loaded = true;
@@ -88,15 +96,16 @@ bool card_load(const uint8_t *bytes)
 static void stand(const uint8_t *table)
 {
     for (uint8_t motor = 0; motor < card.facts.motors; motor++) {
-        uint8_t low = table ? table[card.phase[motor]] : DATA_LOW(card.facts.off & 0x3F);
-        latch(low | card.motor_low[motor], card.motor_high[motor]);
+        const struct motor *track = &tracks.motor[motor];
+        uint8_t low = table ? table[track->phase] : DATA_LOW(card.facts.off & 0x3F);
+        latch(low | track->low, track->high);
     }
 }
 
 void card_energise(void)
 {
     if (card.facts.type == CARD_PHASES)
-        stand(card.table[0]);
+        stand(tracks.table);
     else
         card_set_outputs(card.facts.enable, card.facts.enable);
     card.energised = true;
@@ -112,12 +121,12 @@ void card_idle(bool hold)
     const struct card_facts *facts = &card.facts;
     card.energised = false;
     if (facts->type == CARD_PHASES) {
-        stand(hold && facts->holds ? card.table[1] : 0);
+        stand(hold && facts->holds ? card.hold : 0);
         return;
     }
     card_write_data(card.data);
     card.control = with(with(card.control, &facts->active, false), &facts->boost, false);
-    card.control = card_control_with(facts->enable, hold ? facts->enable : 0);
+    card_shadow_control(card_control_with(facts->enable, hold ? facts->enable : 0));
     card_write_control();
 }
 
@@ -134,7 +143,7 @@ static void change_control(uint8_t control)
 {
     if (control == card.control)
         return;
-    card.control = control;
+    card_shadow_control(control);
     card_write_control();
 }
 

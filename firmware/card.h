@@ -55,10 +55,24 @@ struct card {
     uint8_t control_high; /* its part of PORT_HIGH */
     uint8_t outputs;     /* as wanted, also those that are off at standstill */
     uint8_t data;        /* clock and direction: data byte with clocks at rest, as read ahead */
-    uint8_t phase[MOTORS_MAX];
-    uint8_t motor_low[MOTORS_MAX], motor_high[MOTORS_MAX];
-    uint8_t table[2][TABLE_MAX];  /* drive, hold: as PORT_LOW bytes */
+    uint8_t hold[TABLE_MAX]; /* hold table, as PORT_LOW bytes */
 };
+
+/* Where a motor stands in the drive table, and what its bytes carry besides. */
+struct motor {
+    uint8_t phase;
+    uint8_t high; /* motor bits and control bits of PORT_HIGH */
+    uint8_t bit;  /* 1 << motor */
+    uint8_t low;  /* motor bits of PORT_LOW */
+};
+
+/* Its addresses share their high byte: beats.S places it. */
+struct tracks {
+    uint8_t table[TABLE_MAX]; /* drive table, as PORT_LOW bytes */
+    struct motor motor[MOTORS_MAX];
+};
+
+extern struct tracks tracks;
 
 extern struct card card;
 
@@ -84,6 +98,8 @@ void card_forget_safe_outputs(void);
 void card_write_data(uint8_t data);
 /* The control shadow on the pins. */
 void card_write_control(void);
+/* The control shadow changes; the pins follow later. */
+void card_shadow_control(uint8_t control);
 /* The control value with these outputs; does not write. */
 uint8_t card_control_with(uint8_t mask, uint8_t value);
 

@@ -101,7 +101,7 @@ static uint8_t do_phases(const uint8_t *payload, uint8_t length)
     (void)length;
     for (uint8_t motor = 0; motor < MOTORS_MAX; motor++) {
         uint8_t table = card.facts.table_length ? card.facts.table_length : 1;
-        card.phase[motor] = payload[motor] % table;
+        tracks.motor[motor].phase = payload[motor] % table;
     }
     return 0;
 }

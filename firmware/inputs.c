@@ -98,7 +98,7 @@ static void act_on_watch(void)
         return;
     if (inputs.watch_action == WATCH_STOP) {
         inputs.drop_when_still = true;
-        bool above = player.last_cycles && player.block->moving && is_above_jump(player.last_cycles);
+        bool above = player_last() && player.block->moving && is_above_jump(player_last());
         if (!above) {
             inputs.stop_reason = ENDED_WATCH;
             wish(WANT_STOP);
@@ -159,17 +159,14 @@ void inputs_end_block(void)
     inputs.watch_hides_switch = false;
 }
 
-void inputs_examine_beat(uint8_t count)
+void inputs_examine_beat(void)
 {
     struct place place = {player.serial, player.done, player.moved};
-    for (uint8_t n = 0; n < count; n++)
-        place.moved &= (uint8_t)~beat.motor[n];
-    if (!count) {
+    uint8_t count = beat_count();
+    if (!count && needs_look(beat.pins[0]))
         examine(beat.pins[0], &place);
-        return;
-    }
     for (uint8_t n = 0; n < count; n++) {
-        place.moved |= beat.motor[n];
+        place.moved |= beat.entry[n].bit;
         uint8_t pins = beat.pins[n];
         if (needs_look(pins))
             examine(pins, &place);

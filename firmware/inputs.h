@@ -48,8 +48,8 @@ uint8_t status_of(uint8_t pins);
 void inputs_begin(void);
 void inputs_begin_block(const struct block *block);
 void inputs_end_block(void);
-/* The readings of the beat just played; `count` movements, or none in a dwell. */
-void inputs_examine_beat(uint8_t count);
+/* The readings of the beat just played: one for each movement, or a single one. */
+void inputs_examine_beat(void);
 /* One reading at standstill. */
 void inputs_sample(void);
 /* Every 4 ms: remember which block was in hand. */

@@ -15,11 +15,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "layout.h"
+
 #ifndef BAUD
 #define BAUD 250000UL
 #endif
 
-#define LINE_RING 32
 #define LINE_FRAMING 0x10 /* FE0: a byte without its stop bit */
 
 struct line {

@@ -2,6 +2,7 @@
 #include "player.h"
 
 #include <avr/interrupt.h>
+#include <stddef.h>
 
 #include "beat.h"
 #include "inputs.h"
@@ -9,16 +10,64 @@
 #include "run.h"
 #include "throttle.h"
 
-/* From the compare match to the deadline: entry, saving registers, the longest lock, the wait. */
-#define EARLY_CYCLES 110
-/* No compare match is set closer than this: it might pass while it is being set. */
-#define NEAR_CYCLES 6
 #define FAR_CYCLES 0xC000U
+_Static_assert(FAR_CYCLES >> 8 == FAR_HIGH, "one limit for C and assembler");
 #define HOP_CYCLES 0x8000U
-#define SOON_CYCLES 600
+#define HOP_SHIFT 15
+/* What must be chosen and made out outside the interrupt is at least so far ahead. */
+#define SOON_CYCLES 800
+#define MOST_BEATS 8
+
+#define AT(type, field, offset) \
+    _Static_assert(offsetof(struct type, field) == (offset), #type "." #field)
+
+AT(block, leader, BLOCK_LEADER);
+AT(block, limit, BLOCK_LIMIT);
+AT(block, minors, BLOCK_MINORS);
+AT(minor, sum, MINOR_SUM);
+AT(minor, add, MINOR_ADD);
+AT(minor, mover, MINOR_MOVER);
+_Static_assert(sizeof(struct minor) == MINOR_SIZE, "struct minor");
+AT(motor, phase, MOTOR_PHASE);
+AT(motor, high, MOTOR_HIGH);
+AT(motor, bit, MOTOR_BIT);
+AT(motor, low, MOTOR_LOW);
+AT(tracks, motor, TRACKS_MOTORS);
+AT(card, facts.table_length, CARD_TABLE_LENGTH);
+AT(line, head, LINE_HEAD);
+AT(line, errors, LINE_ERRORS);
+AT(line, bytes, LINE_BYTES);
+AT(player, mode, PLAYER_MODE);
+AT(player, block, PLAYER_BLOCK);
+AT(player, due, PLAYER_DUE);
+AT(player, done, PLAYER_DONE);
+AT(player, piece_end, PLAYER_PIECE_END);
+AT(player, ramps, PLAYER_RAMPS);
+AT(player, interval_q8, PLAYER_INTERVAL);
+AT(player, add_q8, PLAYER_ADD);
+AT(player, cycles, PLAYER_CYCLES);
+AT(player, last_cycles, PLAYER_LAST);
+AT(player, beats, PLAYER_BEATS);
+AT(player, beats_left, PLAYER_BEATS_LEFT);
+AT(player, beat_cycles, PLAYER_BEAT_CYCLES);
+AT(player, lag_cycles, PLAYER_LAG);
+AT(player, moved, PLAYER_MOVED);
+AT(player, late, PLAYER_LATE);
+AT(player, shortest, PLAYER_SHORTEST);
+_Static_assert(sizeof(struct entry) == BEAT_ENTRY, "struct entry");
+AT(beat, end, BEAT_END);
+AT(beat, mask, BEAT_MASK);
+AT(beat, quiet, BEAT_QUIET);
+AT(beat, restless, BEAT_RESTLESS);
+AT(beat, mind, BEAT_MIND);
+AT(beat, pins, BEAT_PINS);
+
+AT(player, patience, PLAYER_PATIENCE);
+AT(player, late_ticks, PLAYER_LATE_TICKS);
+_Static_assert(sizeof(struct beat) == BEAT_SIZE, "struct beat");
+_Static_assert(sizeof(struct tracks) == TRACKS_SIZE, "struct tracks");
 
 struct player player;
-struct beat beat;
 struct block blocks[2];
 volatile uint8_t block_ready;
 uint8_t block_next;
@@ -26,46 +75,64 @@ struct piece pieces[PIECES];
 volatile uint8_t piece_head, piece_tail;
 volatile uint16_t records_waiting;
 
-/* Hops that are still to be waited, what comes after them, and how long has been waited. */
+/* A long wait, and what is needed to take back the beat that was made out for its end. */
 static struct {
-    bool on;
-    bool may_choose; /* no beat of the tick was played yet */
     uint32_t left;
     uint16_t rest;
     uint32_t gone_cycles;
-    uint32_t sums[MOTORS_MAX - 1];
+    bool may_choose; /* no beat of the tick was played yet */
+    ticks_t sums[MOTORS_MAX - 1];
     uint8_t phases[MOTORS_MAX];
 } hop;
 
-static void set_compare(void)
+static bool is_phase_card(void)
 {
+    return card.facts.type == CARD_PHASES;
+}
+
+/* ---- when */
+
+/* The next interrupt, so long after the last deadline. */
+static void arm(uint8_t mode, uint32_t wait)
+{
+    if (wait < FAR_CYCLES) {
+        player.due += (uint16_t)wait;
+    } else {
+        hop.left = (wait - HOP_CYCLES / 2) >> HOP_SHIFT;
+        hop.rest = (uint16_t)(wait - (hop.left << HOP_SHIFT));
+        hop.gone_cycles = 0;
+        player.after_hops = mode;
+        player.due += HOP_CYCLES;
+        mode = MODE_HOP;
+    }
+    player.mode = mode;
     OCR1A = player.due - EARLY_CYCLES;
 }
 
-static __attribute__((noinline)) void schedule_far(uint32_t wait)
+/* A write came late: if it was much, it is counted, and all that follows moves. */
+static void note_late(uint16_t late, uint32_t interval)
 {
-    hop.on = true;
-    hop.left = (wait - HOP_CYCLES / 2) >> 15;
-    hop.rest = (uint16_t)(wait - (hop.left << 15));
-    hop.gone_cycles = 0;
-    player.due += HOP_CYCLES;
+    if ((uint32_t)late << 2 <= interval)
+        return;
+    player.due += late;
+    player.late_ticks++;
 }
 
-HERE void schedule(uint32_t wait)
+uint32_t player_last(void)
 {
-    if (wait >= FAR_CYCLES)
-        schedule_far(wait);
-    else
-        player.due += (uint16_t)wait;
-    set_compare();
+    if (!player.cycles || (player.beats_left && player.done == player.chosen_at))
+        return player.last_cycles;
+    return player.beats_left && player.ramps == RAMP_FAST ? player.last_cycles : player.cycles;
 }
+
+/* ---- what */
 
 static void keep_state(void)
 {
     for (uint8_t i = 0; i < MOTORS_MAX - 1; i++)
         hop.sums[i] = player.block->minor[i].sum;
     for (uint8_t i = 0; i < MOTORS_MAX; i++)
-        hop.phases[i] = card.phase[i];
+        hop.phases[i] = tracks.motor[i].phase;
 }
 
 static void restore_state(void)
@@ -73,49 +140,67 @@ static void restore_state(void)
     for (uint8_t i = 0; i < MOTORS_MAX - 1; i++)
         player.block->minor[i].sum = hop.sums[i];
     for (uint8_t i = 0; i < MOTORS_MAX; i++)
-        card.phase[i] = hop.phases[i];
+        tracks.motor[i].phase = hop.phases[i];
 }
 
-/* A write came late: all that follows moves, and a bad one is counted. */
-static __attribute__((noinline)) void note_late(uint16_t late, uint32_t interval)
-{
-    if ((uint32_t)late << 4 <= interval)
-        return;
-    player.due += late;
-    if ((uint32_t)late << 2 > interval)
-        player.late_ticks++;
-}
-
-/* Divide the tick in hand into beats, and the minors' shares with it. */
-static void set_beats(uint32_t cycles)
+/* Shares of the minors for so many beats. */
+static void set_shares(uint8_t beats)
 {
     struct block *block = player.block;
-    uint16_t shortest = card.facts.beat_cycles;
-    uint8_t shift = 0;
-    if (shortest && block->minors) {
-        uint32_t part = cycles >> 1;
-        while (shift < 3 && part >= shortest) {
-            shift++;
-            part >>= 1;
-        }
+    for (uint8_t i = 0; i < block->minors; i++) {
+        ticks_t add = block->steps[i];
+        for (uint8_t n = beats; n < MOST_BEATS; n <<= 1)
+            add <<= 1;
+        block->minor[i].add = add;
     }
-    player.beat_cycles = cycles >> shift;
-    player.lag_cycles = cycles & (uint8_t)((1 << shift) - 1);
-    player.beat_shift = shift;
-    for (uint8_t i = 0; i < block->minors; i++)
-        block->minor[i].add = block->minor[i].steps << (3 - shift);
+    player.beats = beats;
 }
 
-/* Interval chosen: the tick is in hand. */
-HERE void take_tick(uint32_t cycles)
+/* Divide the tick in hand, a far one, into beats. */
+static void divide_far(uint32_t cycles)
 {
-    if (cycles != player.cycles || !player.beat_cycles) {
-        player.cycles = cycles;
-        set_beats(cycles);
-    }
-    player.beats_left = (uint8_t)(1 << player.beat_shift);
+    uint8_t beats = 1;
+    uint32_t part = cycles >> 1;
+    if (player.block->minors && card.facts.beat_cycles)
+        for (; beats < MOST_BEATS && part >= card.facts.beat_cycles; part >>= 1)
+            beats <<= 1;
+    if (beats != player.beats)
+        set_shares(beats);
+    player.ramps = RAMP_SLOW;
 }
 
+/* The same for others: all in 16 bits. */
+static void divide(uint16_t cycles)
+{
+    uint16_t part = cycles, shortest = player.shortest;
+    uint8_t beats = 1;
+    while (part >= shortest && beats < MOST_BEATS) {
+        part >>= 1;
+        beats <<= 1;
+    }
+    player.beat_cycles = part;
+    if (beats != player.beats)
+        set_shares(beats);
+    if (!player.block->moving)
+        player.ramps = RAMP_SLOW;
+    else
+        player.ramps = player.add_q8 ? RAMP_FAST : RAMP_NONE;
+}
+
+/* The tick in hand has this interval. */
+static void take_tick(uint32_t cycles)
+{
+    if (cycles >= FAR_CYCLES)
+        divide_far(cycles);
+    else
+        divide((uint16_t)cycles);
+    player.lag_cycles = (uint8_t)cycles & (player.beats - 1);
+    player.beats_left = player.beats;
+    player.cycles = cycles;
+    player.chosen_at = player.done;
+}
+
+/* The outputs of a block change with its first beat. */
 static void make_outputs_of(struct block *block)
 {
     uint8_t mask = block->outputs >> 4, value = block->outputs & 0x0F;
@@ -124,48 +209,73 @@ static void make_outputs_of(struct block *block)
     uint8_t control = card_control_with(mask, value);
     if (control == card.control)
         return;
-    card.control = control;
-    card.control_high = CONTROL_HIGH(control);
+    card_shadow_control(control);
     beat.control_high = card.control_high;
     beat.control_extra = (uint8_t)(CONTROL_EXTRA(control) | EXTRA_REST);
     beat.control_due = true;
 }
 
+/* A minor axis in one beat: true when it steps. */
+static bool minor_steps(struct minor *minor, ticks_t limit)
+{
+    uint32_t sum = (uint32_t)minor->sum + minor->add;
+    bool steps = sum >> 24;
+    minor->sum = steps ? (ticks_t)sum - limit : (ticks_t)sum;
+    return steps;
+}
+
+static void add_movement(struct entry *entry, struct mover mover)
+{
+    struct motor *motor = &tracks.motor[(mover.at & 0x0F) >> 2];
+    uint8_t at = (uint8_t)(motor->phase + mover.delta);
+    if (at >= card.facts.table_length)
+        at = mover.delta > 0 ? 0 : card.facts.table_length - 1;
+    motor->phase = at;
+    entry->low = tracks.table[at] | motor->low;
+    entry->high = motor->high;
+    entry->bit = motor->bit;
+}
+
 /* Make out the next beat in which something is to be done; how long until then. */
-HERE uint32_t prepare_phases(void)
+static uint32_t prepare_phases(void)
 {
     struct block *block = player.block;
-    uint32_t wait = 0, limit = block->limit;
-    uint8_t count = 0, left = player.beats_left, forward = block->forward;
-    uint8_t high = card.control_high;
+    struct entry *entry = beat.entry;
+    uint32_t wait = 0, beat_cycles = player.cycles;
+    uint8_t left = player.beats_left;
+    for (uint8_t n = player.beats; n > 1; n >>= 1)
+        beat_cycles >>= 1;
+    beat.mask = 0;
     do {
-        wait += player.beat_cycles;
+        wait += beat_cycles;
         if (--left == 0) {
             wait += player.lag_cycles;
             if (block->moving)
-                add_movement(block->leader, forward, &count, high);
+                add_movement(entry++, block->leader);
         }
-        struct minor *minor = block->minor;
-        for (uint8_t n = block->minors; n; n--, minor++)
-            if (minor_steps(minor, limit))
-                add_movement(minor->motor, forward, &count, high);
-    } while (left && !count);
+        for (uint8_t i = 0; i < block->minors; i++)
+            if (minor_steps(&block->minor[i], block->limit))
+                add_movement(entry++, block->minor[i].mover);
+    } while (left && entry == beat.entry);
+    for (struct entry *e = beat.entry; e != entry; e++)
+        beat.mask |= e->bit;
+    beat.end = (uint8_t)(uintptr_t)entry;
     player.beats_left = left;
-    beat.count = count;
     return wait;
 }
 
-/* The same with outputs that change first, and for waits so long that they may be taken back. */
-static __attribute__((noinline)) uint32_t prepare_phases_slowly(void)
+/* The same for the first beat of a tick, or for one in between; and set the timer to it. */
+static void go_to_beat(bool first)
 {
-    keep_state();
+    struct block *block = player.block;
+    hop.may_choose = first && player.cycles >= FAR_CYCLES && !block->outputs_due;
+    if (hop.may_choose)
+        keep_state();
+    if (block->outputs_due)
+        make_outputs_of(block);
     uint32_t wait = prepare_phases();
-    if (player.block->outputs_due) {
-        make_outputs_of(player.block);
-        for (uint8_t n = 0; n < beat.count; n++)
-            beat.high[n] = (uint8_t)((beat.high[n] & DATA_HIGH_MASK) | card.control_high);
-    }
-    return wait;
+    bool usual = block->moving && !beat.control_due && player.cycles < FAR_CYCLES;
+    arm(usual ? MODE_PHASES : MODE_SLOW, wait);
 }
 
 static uint8_t clock_bits(uint8_t motors)
@@ -177,29 +287,37 @@ static uint8_t clock_bits(uint8_t motors)
     return bits;
 }
 
-HERE void prepare_clocks(void)
+static void prepare_clocks(void)
 {
     struct block *block = player.block;
-    uint8_t motors = 0;
-    if (block->moving) {
-        motors = (uint8_t)_BV(block->leader);
-        struct minor *minor = block->minor;
-        for (uint8_t n = block->minors; n; n--, minor++)
-            if (minor_steps(minor, block->limit))
-                motors |= (uint8_t)_BV(minor->motor);
-    }
+    uint8_t motors = block->moving ? block->leading : 0;
+    for (uint8_t i = 0; i < block->minors; i++)
+        if (minor_steps(&block->minor[i], block->limit))
+            motors |= block->minor_bits[i];
+    uint8_t data = card.data ^ clock_bits(motors);
+    beat.mask = beat.entry[0].bit = motors;
+    beat.entry[0].low = DATA_LOW(data);
+    beat.entry[0].high = (uint8_t)(DATA_HIGH(data) | card.control_high);
+    beat.end = (uint8_t)(uintptr_t)&beat.entry[motors ? 1 : 0];
+}
+
+/* An edge of clock lines, from the fall before it. */
+static void go_to_edge(uint32_t cycles)
+{
+    struct block *block = player.block;
+    hop.may_choose = cycles >= FAR_CYCLES && !block->outputs_due;
+    if (hop.may_choose)
+        keep_state();
     if (block->outputs_due)
         make_outputs_of(block);
-    beat.count = 0;
-    if (motors) {
-        uint8_t data = card.data ^ clock_bits(motors);
-        beat.low[0] = DATA_LOW(data);
-        beat.high[0] = (uint8_t)(DATA_HIGH(data) | card.control_high);
-        beat.motor[0] = motors;
-        beat.count = 1;
-    }
-    player.beats_left = 0;
+    prepare_clocks();
+    player.plan_cycles = cycles;
+    player.cycles = cycles > player.not_before ? cycles : player.not_before;
+    player.chosen_at = player.done;
+    arm(MODE_RISE, player.cycles - player.fall_cycles);
 }
+
+/* ---- which tick */
 
 /* The block in hand is at its end, or given up. */
 static void end_block(void)
@@ -226,7 +344,10 @@ static bool begin_block(void)
     player.serial = block->serial;
     player.done = player.piece_end = 0;
     player.piece_is_last = !block->ticks;
-    player.beat_cycles = 0;
+    player.beats = 0;
+    player.shortest = 0xFFFF;
+    if (block->minors && card.facts.beat_cycles && card.facts.beat_cycles < 0x8000)
+        player.shortest = (uint16_t)(2 * card.facts.beat_cycles);
     uint32_t exit = player.from_rest ? 0 : block->exit_cycles;
     player.from_rest = false;
     throttle_enter(block, exit);
@@ -254,7 +375,7 @@ static bool next_piece(void)
 }
 
 /* Up to the next tick, over the ends of pieces and blocks; false: none, see player.halt. */
-static __attribute__((noinline)) bool find_tick(uint32_t *cycles)
+static bool find_tick(uint32_t *cycles)
 {
     while (!player.block || player.done == player.piece_end) {
         if (player.block && player.piece_is_last)
@@ -266,261 +387,249 @@ static __attribute__((noinline)) bool find_tick(uint32_t *cycles)
     return !WANT || throttle_choose(cycles, false);
 }
 
-HERE bool next_tick(uint32_t *cycles)
-{
-    if (player.done == player.piece_end || WANT)
-        return find_tick(cycles);
-    *cycles = player.interval_q8 >> 8;
-    return true;
-}
 
-/* A tick of a phase card is chosen and its first beat made out, or the timer is stopped. */
-HERE bool go_on_phases(uint32_t *wait)
+/* Choose the next tick and make out its first writes; false: there is none. */
+static bool go_on(void)
 {
     uint32_t cycles;
-    if (!next_tick(&cycles))
+    player.last_cycles = player.cycles;
+    if (!find_tick(&cycles))
         return false;
-    take_tick(cycles);
-    if (player.block->outputs_due || cycles >= FAR_CYCLES) {
-        hop.may_choose = !player.block->outputs_due;
-        *wait = prepare_phases_slowly();
+    if (is_phase_card()) {
+        take_tick(cycles);
+        go_to_beat(true);
     } else {
-        hop.may_choose = false;
-        *wait = prepare_phases();
+        if (!player.beats)
+            set_shares(1);
+        go_to_edge(cycles);
     }
-    return true;
-}
-
-HERE bool go_on_clocks(uint32_t *wait)
-{
-    uint32_t cycles;
-    if (!next_tick(&cycles))
-        return false;
-    player.cycles = cycles;
-    hop.may_choose = cycles >= FAR_CYCLES && !player.block->outputs_due;
-    if (hop.may_choose)
-        keep_state();
-    prepare_clocks();
-    player.tick_cycles = cycles > player.not_before ? cycles : player.not_before;
-    *wait = player.tick_cycles - player.fall_cycles;
     return true;
 }
 
 static void tick_done(void)
 {
     player.done++;
-    player.version++;
     player.moved = 0;
-    if (player.add_q8)
-        player.interval_q8 += player.add_q8;
+    player.interval_q8 += (uint32_t)player.add_q8;
 }
 
-HERE void write_control(void)
+/* ---- called by beats.S; the timer is stopped where 0 is given back */
+
+#define TIMER_SET 0xFF
+
+static uint8_t or_stop(bool goes_on)
 {
-    if (!beat.control_due)
-        return;
+    if (!goes_on)
+        TIMSK1 = 0;
+    return goes_on;
+}
+
+/* The tick is taken: its beats for beats.S to go on, or TIMER_SET. */
+static uint8_t hand_over(void)
+{
+    if (player.ramps != RAMP_SLOW && !player.block->outputs_due) {
+        player.mode = MODE_PHASES;
+        return player.beats;
+    }
+    go_to_beat(true);
+    return TIMER_SET;
+}
+
+/* A tick of a phase card was played and counted, and the next is no usual one. */
+uint8_t player_tick(void)
+{
+    uint32_t cycles;
+    player.interval_q8 += (uint32_t)player.add_q8;
+    player.last_cycles = player.cycles;
+    if (!find_tick(&cycles))
+        return or_stop(false);
+    take_tick(cycles);
+    return hand_over();
+}
+
+/* The same, but the next interval is chosen: one of a ramp. */
+uint8_t player_tick_chosen(void)
+{
+    player.last_cycles = player.cycles;
+    take_tick(player.interval_q8 >> 8);
+    return hand_over();
+}
+
+static void write_control(void)
+{
     PORT_HIGH = (uint8_t)((PORT_HIGH & DATA_HIGH_MASK) | beat.control_high);
     PORT_EXTRA = beat.control_extra;
     beat.control_due = false;
 }
 
-/* Deadline of a beat on a phase card: write, read, then make out the next one. */
-HERE bool play_phases(void)
+static void write_movement(uint8_t n)
 {
-    uint8_t count = beat.count, low = beat.low[0], high = beat.high[0], quiet = beat.quiet;
-    uint8_t differ = beat.restless, n = 0;
-    uint16_t late = wait_for(player.due);
-    write_control();
-    if (!count) {
-        uint8_t pins = PIN_STATUS;
-        beat.pins[0] = pins;
-        differ |= pins ^ quiet;
-    }
-    while (n != count) {
-        PORT_LOW = low;
-        PORT_HIGH = high;
-        PORT_HIGH = (uint8_t)(high & ~_BV(STROBE_BIT));
-        uint8_t idle = high;
-        player.moved |= beat.motor[n];
-        n++;
-        low = beat.low[n & (MOTORS_MAX - 1)];
-        high = beat.high[n & (MOTORS_MAX - 1)];
-        PORT_HIGH = idle;
-        uint8_t pins = PIN_STATUS;
-        beat.pins[n - 1] = pins;
-        differ |= pins ^ quiet;
-    }
-    if (differ & beat.mind)
-        inputs_examine_beat(count);
-    uint32_t wait;
-    if (player.beats_left) {
-        if (late)
-            note_late(late, player.beat_cycles);
-        hop.may_choose = false;
-        wait = prepare_phases();
-    } else {
-        if (late)
-            note_late(late, player.cycles);
-        player.last_cycles = player.cycles;
-        tick_done();
-        if (!go_on_phases(&wait))
-            return false;
-    }
-    schedule(wait);
-    return true;
+    PORT_LOW = beat.entry[n].low;
+    PORT_HIGH = beat.entry[n].high;
+    PORT_HIGH &= (uint8_t)~_BV(STROBE_BIT);
+    __builtin_avr_delay_cycles(5);
+    PORT_HIGH |= _BV(STROBE_BIT);
+    beat.pins[n] = PIN_STATUS;
 }
 
-/* Deadline of an edge or a fall of clock lines. */
-HERE bool play_clocks(void)
+/* A beat that beats.S leaves alone: of a dwell, with outputs, of a long interval. */
+static bool play_slowly(void)
 {
-    uint8_t low = beat.low[0], high = beat.high[0];
-    bool writes = beat.count;
+    uint8_t count = beat_count();
     uint16_t late = wait_for(player.due);
-    if (player.fall_next) {
-        PORT_LOW = low;
-        PORT_HIGH = high;
-        if (late)
-            note_late(late, player.last_cycles >> 1);
-        player.fall_next = false;
-        uint32_t wait;
-        if (!go_on_clocks(&wait))
-            return false;
-        schedule(wait);
+    if (beat.control_due)
+        write_control();
+    for (uint8_t n = 0; n < count; n++)
+        write_movement(n);
+    if (!count)
+        beat.pins[0] = PIN_STATUS;
+    inputs_examine_beat();
+    note_late(late, player.cycles);
+    if (player.beats_left) {
+        player.moved |= beat.mask;
+        go_to_beat(false);
         return true;
     }
-    write_control();
-    if (writes) {
-        PORT_LOW = low;
-        PORT_HIGH = high;
+    tick_done();
+    return go_on();
+}
+
+/* The clock lines leave their rest. */
+static void play_rise(void)
+{
+    struct entry entry = beat.entry[0];
+    uint16_t late = wait_for(player.due);
+    if (beat.control_due)
+        write_control();
+    if (entry.bit) {
+        PORT_LOW = entry.low;
+        PORT_HIGH = entry.high;
     }
-    uint8_t pins = PIN_STATUS;
-    if (writes)
-        player.moved = beat.motor[0];
-    beat.pins[0] = pins;
-    if (((pins ^ beat.quiet) | beat.restless) & beat.mind)
-        inputs_examine_beat(writes);
-    player.last_cycles = player.tick_cycles;
-    if (late)
-        note_late(late, player.last_cycles);
-    uint32_t half = player.cycles >> 1;
+    beat.pins[0] = PIN_STATUS;
+    inputs_examine_beat();
+    note_late(late, player.cycles);
+    uint32_t half = player.plan_cycles >> 1;
     player.fall_cycles = half > card.facts.pulse_cycles ? half : card.facts.pulse_cycles;
     player.not_before = player.fall_cycles + card.facts.pulse_cycles;
-    beat.low[0] = DATA_LOW(card.data);
-    beat.high[0] = (uint8_t)(DATA_HIGH(card.data) | card.control_high);
-    player.fall_next = true;
     hop.may_choose = false;
     tick_done();
-    schedule(player.fall_cycles);
-    return true;
+    arm(MODE_FALL, player.fall_cycles);
+}
+
+/* They go back to it; then directions may change, and the next interval is chosen. */
+static bool play_fall(void)
+{
+    uint8_t low = DATA_LOW(card.data);
+    uint8_t high = (uint8_t)(DATA_HIGH(card.data) | card.control_high);
+    uint16_t late = wait_for(player.due);
+    PORT_LOW = low;
+    PORT_HIGH = high;
+    note_late(late, player.cycles >> 1);
+    return go_on();
 }
 
 /* An interval that runs, chosen anew for a brake or a stop; false: no tick follows. */
 static bool choose_again(void)
 {
-    uint32_t cycles = player.interval_q8 >> 8, wait;
+    uint32_t cycles = player.interval_q8 >> 8, gone = hop.gone_cycles;
     restore_state();
+    player.cycles = player.last_cycles;
     if (!throttle_choose(&cycles, true))
         return false;
-    take_tick(cycles);
-    if (card.facts.type == CARD_PHASES) {
-        wait = prepare_phases();
+    uint16_t due = player.due;
+    if (is_phase_card()) {
+        take_tick(cycles);
+        go_to_beat(true);
     } else {
-        prepare_clocks();
-        player.tick_cycles = cycles > player.not_before ? cycles : player.not_before;
-        wait = player.tick_cycles - player.fall_cycles;
+        go_to_edge(cycles);
     }
-    uint32_t passed = hop.gone_cycles + SOON_CYCLES;
-    schedule(wait > passed ? wait - hop.gone_cycles : SOON_CYCLES);
+    /* The wait counted from here; what has gone of it is taken off again. */
+    uint32_t wait = player.mode == MODE_HOP
+        ? (hop.left << HOP_SHIFT) + hop.rest
+        : (uint16_t)(player.due - due);
+    uint8_t mode = player.mode == MODE_HOP ? player.after_hops : player.mode;
+    player.due = due;
+    arm(mode, wait > gone + SOON_CYCLES ? wait - gone : SOON_CYCLES);
     return true;
 }
 
 /* A hop of a long wait is over; false: no tick follows. */
-static __attribute__((noinline)) bool play_hop(void)
+static bool play_hop(void)
 {
     hop.gone_cycles += HOP_CYCLES;
-    if (--hop.left == 0)
-        hop.on = false;
-    if (hop.may_choose && (WANT & (_BV(WANT_BRAKE) | _BV(WANT_STOP)))) {
-        hop.on = false;
+    if (hop.may_choose && WANT & (_BV(WANT_BRAKE) | _BV(WANT_STOP)))
         return choose_again();
+    if (--hop.left) {
+        player.due += HOP_CYCLES;
+    } else {
+        player.due += hop.rest;
+        player.mode = player.after_hops;
     }
-    player.due += hop.on ? HOP_CYCLES : hop.rest;
-    set_compare();
+    OCR1A = player.due - EARLY_CYCLES;
     return true;
 }
 
-HERE bool play(void)
+uint8_t player_play(void)
 {
-    if (hop.on)
-        return play_hop();
-    return card.facts.type == CARD_PHASES ? play_phases() : play_clocks();
-}
-
-ISR(TIMER1_COMPA_vect)
-{
-    for (;;) {
-        if (!play()) {
-            TIMSK1 = 0;
-            return;
-        }
-        line_take();
-        if ((int16_t)(OCR1A - TCNT1) >= NEAR_CYCLES)
-            return;
-        TIFR1 = _BV(OCF1A);
+    switch (player.mode) {
+    case MODE_HOP:
+        return or_stop(play_hop());
+    case MODE_RISE:
+        play_rise();
+        return true;
+    case MODE_FALL:
+        return or_stop(play_fall());
+    default:
+        return or_stop(play_slowly());
     }
 }
 
-static bool go_on(uint32_t *wait)
-{
-    return card.facts.type == CARD_PHASES ? go_on_phases(wait) : go_on_clocks(wait);
-}
+/* ---- in the main loop, with the timer stopped */
 
 static void set_timer(void)
 {
+    player.patience = PATIENCE;
     TIFR1 = _BV(OCF1A);
     TIMSK1 = _BV(OCIE1A);
 }
 
 void player_start(void)
 {
-    uint32_t wait;
     player.halt = PLAYING;
     player.fall_cycles = player.not_before = 0;
-    player.last_cycles = player.cycles = player.beat_cycles = 0;
-    player.fall_next = hop.on = false;
-    if (!player.block)
-        player.from_rest = true;
-    if (!go_on(&wait))
-        return;
+    player.cycles = 0;
+    player.from_rest = !player.block;
     cli();
     player.due = TCNT1 + SOON_CYCLES;
-    schedule(wait);
-    set_timer();
     sei();
+    if (go_on())
+        set_timer();
 }
 
 void player_continue(void)
 {
-    uint32_t wait;
     player.halt = PLAYING;
-    if (!go_on(&wait))
+    uint16_t was_due = player.due;
+    player.cycles = player.last_cycles;
+    if (!go_on())
         return;
-    cli();
-    uint16_t gone = TCNT1 - player.due + SOON_CYCLES;
-    if (wait < gone) {
-        note_late((uint16_t)(gone - wait), player.cycles);
-        wait = gone;
+    if (player.mode != MODE_HOP) {
+        uint16_t wait = player.due - was_due;
+        cli();
+        uint16_t gone = TCNT1 - was_due + EARLY_CYCLES + NEAR_CYCLES;
+        sei();
+        if (wait < gone)
+            note_late(gone - wait, player.cycles);
+        OCR1A = player.due - EARLY_CYCLES;
     }
-    schedule(wait);
     set_timer();
-    sei();
 }
 
 void player_rest(void)
 {
-    player.last_cycles = 0;
+    player.cycles = player.last_cycles = 0;
     player.from_rest = true;
-    player.moved = 0;
+    player.moved = player.beats_left = 0;
 }
 
 void player_drop(void)

@@ -13,8 +13,8 @@
  *         they have fallen). From then on the tick is in hand and will be finished.
  * Rule 4: a wait of more than FAR_CYCLES goes in hops. A brake or stop is seen at a hop, and if no
  *         beat of the tick was played, its interval is chosen anew.
- * Rule 5: a write that comes late by more than a sixteenth of its interval moves all that follows;
- *         from a quarter on it is counted. Nothing is ever caught up by a shorter interval.
+ * Rule 5: a write that comes late by more than a quarter of its interval is counted, and moves all
+ *         that follows: no more than that is ever caught up by a shorter interval.
  * Rule 6: what the main loop owes (a piece, a block) and has not ready is waited for with the timer
  *         stopped: `starved`.
  */
@@ -26,30 +26,37 @@
 /* Why the player has stopped its timer. */
 enum halt { PLAYING, AT_END, AT_STOP, AT_HOLD, STARVED };
 
+/* The first part is read by beats.S: see layout.h. */
 struct player {
+    uint8_t mode;        /* what the next interrupt is */
     struct block *block; /* in hand, or 0 */
-    ticks_t done;        /* its ticks played */
+    uint16_t due;        /* low half of the time of the next write */
+    ticks_t done;        /* ticks of the block that are played */
     ticks_t piece_end;
+    uint8_t ramps;
     uint32_t interval_q8;
     int32_t add_q8;
-    uint32_t cycles;      /* interval of the tick in hand, as chosen */
-    uint32_t last_cycles; /* what the last tick took; 0 at rest */
-    uint16_t due;         /* low half of the time of the next write */
+    uint32_t cycles;      /* interval of the tick in hand, as it is played; 0: from rest */
+    uint32_t last_cycles; /* of the tick before, as of the last choice in C or of a ramp */
+    uint8_t beats;        /* of the tick in hand: 1, 2, 4 or 8 */
     uint8_t beats_left;
-    uint8_t beat_shift;
-    uint32_t beat_cycles;
-    uint32_t lag_cycles;  /* by which the last beat is longer than the others */
+    uint16_t beat_cycles; /* of each, if the interval is not a far one */
+    uint8_t lag_cycles;   /* by which the last beat is longer */
     uint8_t moved;        /* motors moved in the tick in hand */
+    uint16_t late;        /* with IS_LATE: by how much */
+    uint16_t shortest;    /* interval from which on it is divided; 0xFFFF: never */
+    uint8_t patience;     /* beats until the main loop gets a turn in any case */
+    uint16_t late_ticks;
+
+    uint8_t after_hops;   /* mode of the interrupt that is waited for */
     bool piece_is_last;
     bool from_rest;       /* the next block is the first of a run */
-    bool fall_next;       /* clock lines are away from rest */
+    ticks_t chosen_at;    /* `done` at the last choice in C */
+    uint32_t plan_cycles; /* clock lines: the interval as chosen */
     uint32_t fall_cycles; /* from the edge to the fall */
     uint32_t not_before;  /* shortest time from edge to edge */
-    uint32_t tick_cycles; /* from the last edge to the coming one */
     volatile uint8_t halt;
-    uint8_t version;      /* changes with every tick: a report copies until it stands still */
     uint16_t serial;      /* block in hand, or the last one */
-    uint16_t late_ticks;
 };
 
 extern struct player player;
@@ -60,6 +67,8 @@ void player_start(void);
 void player_continue(void);
 /* The motors stand: nothing is known of the last interval any more. */
 void player_rest(void);
+/* What the tick played last took; 0 at rest. */
+uint32_t player_last(void);
 /* The block in hand is given up. */
 void player_drop(void);
 

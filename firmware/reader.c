@@ -218,8 +218,14 @@ static void take_limits(uint8_t law, uint8_t rare)
 
 static const uint8_t widths[] = {1, 2, 4, 4};
 
+static void set_mover(struct mover *mover, uint8_t motor, bool forward)
+{
+    mover->at = (uint8_t)(uintptr_t)&tracks.motor[motor];
+    mover->delta = forward ? 1 : -1;
+}
+
 /* Steps of every motor; the longest way. */
-static uint32_t take_steps(struct block *block, uint8_t shape, uint32_t steps[])
+static uint32_t take_steps(struct block *block, uint8_t shape, ticks_t steps[])
 {
     uint8_t width = widths[(shape >> SHAPE_WIDTH_SHIFT) & 3];
     uint32_t longest = 0;
@@ -235,26 +241,29 @@ static uint32_t take_steps(struct block *block, uint8_t shape, uint32_t steps[])
         steps[motor] = way < 0 ? -(uint32_t)way : (uint32_t)way;
         if (steps[motor] > longest) {
             longest = steps[motor];
-            block->leader = motor;
+            block->leading = bit;
+            set_mover(&block->leader, motor, way > 0);
         }
     }
     return longest;
 }
 
-static void set_minors(struct block *block, const uint32_t steps[])
+static void set_minors(struct block *block, const ticks_t steps[])
 {
-    struct minor *minor = block->minor;
-    block->minors = 0;
-    block->limit = (uint32_t)block->ticks << 3;
+    uint8_t count = 0;
+    block->limit = block->ticks << 3;
     for (uint8_t motor = 0; motor < MOTORS_MAX; motor++) {
-        if (!(block->moving & _BV(motor)) || motor == block->leader)
+        uint8_t bit = (uint8_t)_BV(motor);
+        if (!(block->moving & bit) || bit == block->leading)
             continue;
-        minor->motor = motor;
-        minor->steps = steps[motor];
-        minor->sum = ((uint32_t)block->ticks >> 1 << 3) - block->limit;
-        minor++;
-        block->minors++;
+        struct minor *minor = &block->minor[count];
+        set_mover(&minor->mover, motor, block->forward & bit);
+        minor->sum = ((block->ticks - steps[motor]) >> 1 << 3) - block->limit;
+        block->steps[count] = steps[motor];
+        block->minor_bits[count] = bit;
+        count++;
     }
+    block->minors = count;
 }
 
 /* Direction bits of the motors that move; the others keep theirs. */
@@ -291,7 +300,7 @@ static void block_is_ready(void)
 static void read_head(void)
 {
     struct block *block = &blocks[reading.slot];
-    uint32_t steps[MOTORS_MAX];
+    ticks_t steps[MOTORS_MAX];
     uint8_t shape = take_u8(), law = take_u8();
     uint8_t rare = shape & SHAPE_RARE ? take_u8() : 0;
     uint8_t count = law & LAW_PIECES;

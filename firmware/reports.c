@@ -69,12 +69,13 @@ static uint32_t copy_place(struct place *place)
     uint32_t interval;
     uint8_t version;
     do {
-        version = *(volatile uint8_t *)&player.version;
+        version = *(volatile uint8_t *)&player.done;
         place->serial = player.serial;
         place->done = player.done;
         place->moved = player.moved;
-        interval = player.last_cycles;
-    } while (version != *(volatile uint8_t *)&player.version);
+        interval = player_last();
+    } while (version != *(volatile uint8_t *)&player.done
+             || place->serial != *(volatile uint16_t *)&player.serial);
     return interval;
 }
 
@@ -138,7 +139,7 @@ static void send_status(void)
     u8(run.stops);
     u16(throttle.override_q8);
     for (uint8_t motor = 0; motor < MOTORS_MAX; motor++)
-        u8(card.phase[motor]);
+        u8(tracks.motor[motor].phase);
     u8(run.torn_serial);
     frames_close((uint8_t)(at - start));
 }

@@ -83,7 +83,8 @@ static void note_torn(void)
 {
     bool before = player.block && !player.done;
     uint32_t jump = before ? throttle.jump_of_last : throttle.jump_cycles;
-    if (!player.last_cycles || player.last_cycles >= jump - (jump >> 4))
+    uint32_t last = player_last();
+    if (!last || last >= jump - (jump >> 4))
         return;
     run.torn = true;
     run.torn_serial = (uint8_t)(player.serial - before);

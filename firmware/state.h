@@ -20,7 +20,7 @@
 
 #include "protocol.h"
 
-typedef __uint24 ticks_t;
+typedef __uint24 ticks_t; /* also eighths of ticks: 2^21 - 1 ticks in a block at most */
 
 #define RATE_CYCLES 4096000000UL /* rate_q8 times interval in cycles */
 #define SLICE_CYCLES 16000
@@ -36,6 +36,7 @@ typedef __uint24 ticks_t;
 #define IS_THROTTLED 4
 #define IS_LIMITED 5
 #define MAY_RUN_DRY 6
+#define IS_LATE 7 /* a write came late: player.late */
 
 #define wish(bit) (WANT |= _BV(bit))
 #define unwish(bit) (WANT &= (uint8_t)~_BV(bit))
@@ -48,20 +49,29 @@ struct place {
     uint8_t moved;
 };
 
-/* A motor that does not lead. `sum` runs from -limit up to 0; a carry out of it is a step. */
-struct minor {
-    uint32_t sum;
-    uint32_t add;
-    uint32_t steps;
-    uint8_t motor;
+/* Who moves: low byte of the address of its struct motor, and +1 or -1. */
+struct mover {
+    uint8_t at;
+    int8_t delta;
 };
 
+/* A motor that does not lead. `sum` runs from -limit up to 0; a carry out of it is a step. */
+struct minor {
+    ticks_t sum;
+    ticks_t add; /* eighths of steps a beat */
+    struct mover mover;
+};
+
+/* The first part is read by beats.S: see layout.h. */
 struct block {
     struct minor minor[MOTORS_MAX - 1];
-    uint32_t limit; /* eighths of ticks */
-    uint8_t minors;
-    uint8_t leader;  /* motor */
-    uint8_t moving;  /* motors, a bit each; 0: a dwell */
+    struct mover leader;
+    ticks_t limit;  /* eighths of ticks */
+    uint8_t minors; /* how many */
+    uint8_t moving; /* motors, a bit each; 0: a dwell */
+    ticks_t steps[MOTORS_MAX - 1]; /* of the minors */
+    uint8_t leading; /* the leader's bit */
+    uint8_t minor_bits[MOTORS_MAX - 1];
     uint8_t forward; /* motors, a bit each */
     uint8_t flags;
     uint8_t data; /* clock and direction: data byte with clocks at rest */

@@ -89,8 +89,9 @@ struct move {
     uint32_t rate_q8, cycles;
 };
 
-static uint32_t approached(uint32_t rate, uint32_t change, uint32_t ceiling, uint32_t jump)
+static uint32_t approached(uint32_t rate, uint32_t change)
 {
+    uint32_t ceiling = throttle.ceiling_q8, jump = throttle.jump_q8;
     if (rate > ceiling) {
         uint32_t lower = rate > change ? rate - change : 0;
         if (lower < ceiling)
@@ -103,10 +104,12 @@ static uint32_t approached(uint32_t rate, uint32_t change, uint32_t ceiling, uin
     return rate < ceiling ? rate : ceiling;
 }
 
-static void work_out(struct move *move, uint32_t mark)
+static __attribute__((noinline)) void work_out(struct move *move, uint32_t mark)
 {
     uint32_t change = product_q16(throttle.accel_q, mark);
     uint32_t ceiling = throttle.ceiling_q8, jump = throttle.jump_q8;
+    if (move->state == OPENING && ceiling && sum_or_most(move->rate_q8, change) >= ceiling)
+        move->state = LIMITED;
     if (move->state == CLOSING) {
         move->rate_q8 = move->rate_q8 > change ? move->rate_q8 - change : 0;
         if (move->rate_q8 <= jump) {
@@ -114,13 +117,9 @@ static void work_out(struct move *move, uint32_t mark)
             return;
         }
     } else if (move->state == LIMITED) {
-        move->rate_q8 = approached(move->rate_q8, change, ceiling, jump);
+        move->rate_q8 = approached(move->rate_q8, change);
     } else {
         move->rate_q8 = sum_or_most(move->rate_q8, change);
-        if (ceiling && move->rate_q8 >= ceiling) {
-            move->state = LIMITED;
-            move->rate_q8 = ceiling;
-        }
     }
     if (!move->rate_q8)
         move->rate_q8 = 1;

@@ -10,7 +10,9 @@
 #define BOARD_MEGA_H
 
 #include <avr/io.h>
+#ifndef __ASSEMBLER__
 #include <stdint.h>
+#endif
 
 #define BOARD_NAME "mega"
 #define BOARD_RING 6144
@@ -31,11 +33,13 @@
 #define STATUS_PINS 0x1F
 #define EXTRA_REST 0x00
 
+#ifndef __ASSEMBLER__
 static inline void board_directions(void)
 {
     DDRA = 0xFF;
     DDRC = 0x0F;
     PORTF = STATUS_PINS; /* pull-ups */
 }
+#endif
 
 #endif

@@ -18,7 +18,9 @@
 #define BOARD_UNO_H
 
 #include <avr/io.h>
+#ifndef __ASSEMBLER__
 #include <stdint.h>
+#endif
 
 #define BOARD_NAME "uno"
 #define BOARD_RING 900
@@ -42,11 +44,13 @@
 #define STATUS_PINS 0x1F
 #define EXTRA_REST 0x1F /* pull-ups of the status lines */
 
+#ifndef __ASSEMBLER__
 static inline void board_directions(void)
 {
     DDRB |= 0x1F;
     DDRC = 0x20;
     DDRD = 0xFE;
 }
+#endif
 
 #endif

@@ -145,7 +145,7 @@ MOTORS_MAX: Final = 4
 TABLE_DRIVE: Final = 0
 TABLE_HOLD: Final = 1
 
-MOST_TICKS: Final = (1 << 24) - 1
+MOST_TICKS: Final = (1 << 21) - 1
 MOST_PIECES: Final = 255
 
 
