@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test check format clean firmware rig-avr
+.PHONY: run test check format clean firmware rig-avr rig-lpt
 
 run: $(READY)
 	$(BIN)/fraese
@@ -28,6 +28,9 @@ firmware:
 # The simulated ATmega328P, into .rig-cache/; the tests build it by themselves.
 rig-avr: $(READY)
 	$(BIN)/python -m rigs.avr.build
+# The ports on a real kernel: QEMU, Debian's kernel, an emulated LPT. See rigs/lpt/README.md.
+rig-lpt: $(READY)
+	$(BIN)/python -m rigs.lpt
 
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "fraese needs Python 3.11 or newer; $(PYTHON) is " + sys.version.split()[0] + ". Name another: make PYTHON=python3.12 run")'
