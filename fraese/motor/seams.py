@@ -136,6 +136,8 @@ class Ended(Enum):
     STOP = "stop"
     #: ``flush()`` after a hold.
     FLUSH = "flush"
+    #: The host was silent: braked, dropped and switched off.
+    SILENCE = "silence"
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,13 +8,43 @@ Rule 3: motors whose last tick was faster than their start/stop rate are torn: t
         turned on. A rate of dwell ticks moves nobody.
 """
 
-from typing import Final
+from typing import Final, NamedTuple
 
 from fraese.blocks import CYCLES_PER_S, RATE_Q8_CYCLES, Block
 from fraese.motor.cursor import Cursor
 
 #: The motor argument of a reading that belongs to no tick.
 BETWEEN_TICKS: Final = -2
+
+
+class Way(NamedTuple):
+    """The way up to a moment: taken in no time, calculated when there is time.
+
+    Attributes:
+        base_steps: signed counts of the blocks before.
+        base_travelled_steps: the same, both directions added.
+        cursor: the block in hand.
+        done: its ticks.
+    """
+
+    base_steps: tuple[int, ...]
+    base_travelled_steps: tuple[int, ...]
+    cursor: Cursor | None
+    done: int
+
+    def position_steps(self) -> tuple[int, ...]:
+        """Signed count of every motor."""
+        if self.cursor is None:
+            return self.base_steps
+        moved = self.cursor.steps_at(self.done)
+        return tuple(a + b for a, b in zip(self.base_steps, moved, strict=True))
+
+    def travelled_steps(self) -> tuple[int, ...]:
+        """The count of every motor, both directions added."""
+        if self.cursor is None:
+            return self.base_travelled_steps
+        moved = self.cursor.steps_at(self.done)
+        return tuple(a + abs(b) for a, b in zip(self.base_travelled_steps, moved, strict=True))
 
 
 def is_above_jump(jump_rate_q8: int, cycles: int) -> bool:
@@ -93,11 +123,13 @@ class Track:
 
     def travelled_steps(self) -> tuple[int, ...]:
         """The count of every motor, both directions added."""
+        return self.way().travelled_steps()
+
+    def way(self) -> Way:
+        """The way so far, for somebody who has no time to calculate it just now."""
         cursor = self.cursor
-        if cursor is None:
-            return self._travelled_steps
-        moved = cursor.steps_at(cursor.done)
-        return tuple(a + abs(b) for a, b in zip(self._travelled_steps, moved, strict=True))
+        done = cursor.done if cursor is not None else 0
+        return Way(self._base_steps, self._travelled_steps, cursor, done)
 
     def rate_hz(self) -> float:
         """Ticks per second of the leader; 0 at standstill and in a dwell."""
