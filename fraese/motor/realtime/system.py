@@ -6,9 +6,12 @@ Rule 2: a process under SCHED_FIFO that never sleeps is stopped by the kernel fo
         second (``sched_rt_runtime_us``). So FIFO is for rates that leave time to sleep, and
         nice -20 for those that do not, unless the kernel has been told otherwise and there is a
         second core.
-Rule 3: sleeping is only exact without the timer slack of 50 us.
+Rule 3: in a session of its own a process is in a scheduling group of its own, where the kernel makes
+        such groups. Its nice value then only counts within the group: the group must be nice, too.
+Rule 4: sleeping is only exact without the timer slack of 50 us.
 """
 
+import contextlib
 import ctypes
 import gc
 import os
@@ -21,6 +24,7 @@ from fraese.motor.realtime.setup import SLEEP_GAP_S, Setup
 _PRIORITY: Final = 50
 _NICE: Final = -20
 _RT_RUNTIME: Final = Path("/proc/sys/kernel/sched_rt_runtime_us")
+_AUTOGROUP: Final = Path("/proc/self/autogroup")
 _DMA_LATENCY: Final = Path("/dev/cpu_dma_latency")
 
 # From sys/mman.h and sys/prctl.h.
@@ -82,6 +86,8 @@ def _come_first(setup: Setup) -> str:
 def _be_nice() -> str:
     try:
         os.setpriority(os.PRIO_PROCESS, 0, _NICE)
+        with contextlib.suppress(FileNotFoundError):
+            _AUTOGROUP.write_text(str(_NICE), "ascii")
     except OSError as error:
         return f"no nice {_NICE} ({error.strerror})"
     return f"nice {_NICE}"
