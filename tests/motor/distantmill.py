@@ -113,7 +113,69 @@ def do_by_hand(bench: Workbench, kind: int, value: int) -> None:
         (bench.simulated.press if kind == _PRESS else bench.simulated.let_go)(pressed)
 
 
-class ChildBench:
+class Spectator:
+    """Looks at a distant mill through its log.
+
+    Attributes:
+        twin: a workbench whose mill has seen what the distant one saw.
+    """
+
+    def __init__(self, path: Path, wiring: str) -> None:
+        self._log = Log(path)
+        # All that is done to the twin has the time at which it was done to the child's mill.
+        self._twin_clock = VirtualClock()
+        self.twin = Workbench(wiring, limits=TIRELESS, outputs=True, clock=self._twin_clock)
+        self.wiring = wiring
+        self._seen = 0
+
+    def look(self) -> Workbench:
+        """The twin, up to date."""
+        twin = self.twin
+        access = {DATA: twin.port.write_data, CONTROL: twin.port.write_control}
+        for at_ns, register, value in self._log.entries(self._seen):
+            self._seen += 1
+            self._twin_clock.wait_until(at_ns)
+            if register == STATUS:
+                twin.port.read_status()
+            elif register in access:
+                access[register](value)
+            else:
+                do_by_hand(twin, register, value)
+        return twin
+
+    def carriage(self, axis: str) -> float:
+        return self.look().carriage(axis)
+
+    def carriages(self) -> tuple[float, ...]:
+        return self.look().carriages()
+
+    def lost(self) -> tuple[float, ...]:
+        return self.look().lost()
+
+    def outputs_on(self) -> set[int]:
+        return self.look().outputs_on()
+
+    def mark(self) -> int:
+        return self.look().mark()
+
+    def currents(self) -> list[tuple[float, float]]:
+        return self.look().currents()
+
+    def last_write_ns(self) -> int:
+        """When a register was written last."""
+        return max(at_ns for at_ns, register, _ in self._log.entries(0) if register != STATUS)
+
+    def steps_ns(self, motor: int) -> list[int]:
+        """When the data byte of a phase card's motor changed."""
+        times, last = [], -1
+        for at_ns, register, value in self._log.entries(0):
+            if register == DATA and value >> 6 == motor and value != last:
+                last = value
+                times.append(at_ns)
+        return times
+
+
+class ChildBench(Spectator):
     """The workbench around a child: the same questions, answered by the twin.
 
     Attributes:
@@ -128,14 +190,10 @@ class ChildBench:
         safe_outputs: int,
         options: RealtimeOptions | None = None,
     ) -> None:
-        self.wiring = wiring
         self._folder = tempfile.TemporaryDirectory()
         path = Path(self._folder.name) / "log"
-        self._log = Log.create(path)
-        # All that is done to the twin has the time at which it was done to the child's mill.
-        self._twin_clock = VirtualClock(time.monotonic_ns())
-        self.twin = Workbench(wiring, limits=TIRELESS, outputs=True, clock=self._twin_clock)
-        self._seen = 0
+        Log.create(path)
+        super().__init__(path, wiring)
         self.clock = MonotonicClock()
         self.simulated = Hands(self)
         self.driver = RealtimeDriver(
@@ -179,41 +237,6 @@ class ChildBench:
     def wait(self, seconds: float = 0.05) -> None:
         """Let time pass."""
         self.clock.wait_until(self.clock.now_ns() + round(seconds * 1e9))
-
-    # --- looking -------------------------------------------------------------------------------
-
-    def look(self) -> Workbench:
-        """The twin, up to date."""
-        twin = self.twin
-        access = {DATA: twin.port.write_data, CONTROL: twin.port.write_control}
-        for at_ns, register, value in self._log.entries(self._seen):
-            self._seen += 1
-            self._twin_clock.wait_until(at_ns)
-            if register == STATUS:
-                twin.port.read_status()
-            elif register in access:
-                access[register](value)
-            else:
-                do_by_hand(twin, register, value)
-        return twin
-
-    def carriage(self, axis: str) -> float:
-        return self.look().carriage(axis)
-
-    def carriages(self) -> tuple[float, ...]:
-        return self.look().carriages()
-
-    def lost(self) -> tuple[float, ...]:
-        return self.look().lost()
-
-    def outputs_on(self) -> set[int]:
-        return self.look().outputs_on()
-
-    def mark(self) -> int:
-        return self.look().mark()
-
-    def currents(self) -> list[tuple[float, float]]:
-        return self.look().currents()
 
 
 class Hands:

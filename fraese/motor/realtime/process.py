@@ -88,7 +88,10 @@ class ChildProcess:
             self._process = self._spawn(fd, samples)
         finally:
             os.close(fd)
+        assert self._process.stdin is not None
+        self._pipe = self._process.stdin
         self._started = False
+        self._code = 0
         threading.Thread(target=self._watch, name="step process", daemon=True).start()
         self._hand_over(setup)
         self.notes = self._wait_until_ready()
@@ -113,31 +116,26 @@ class ChildProcess:
         )
 
     def _hand_over(self, setup: Setup) -> None:
-        pipe = self._process.stdin
-        assert pipe is not None
-        self._pipe = pipe.fileno()
-        try:
-            data = memoryview(message(pickle.dumps(setup)))
+        data = memoryview(message(pickle.dumps(setup)))
+        # Broken: it did not start, and that is seen soon.
+        with contextlib.suppress(BrokenPipeError):
             while data:
-                data = data[os.write(self._pipe, data) :]
-        except BrokenPipeError:
-            return
-        os.set_blocking(self._pipe, False)
+                data = data[self._pipe.write(data) :]
+        os.set_blocking(self._pipe.fileno(), False)
 
     def _wait_until_ready(self) -> tuple[str, ...]:
-        until_s = time.monotonic() + _START_S
-        while self.memory.words[STAGE] == shared.STARTING and not self.is_gone:
-            if time.monotonic() > until_s:
-                self._leaves = True
-                self._process.kill()
-                raise PortError(f"The step process did not start within {_START_S:.0f} s.")
+        stage, until_s = shared.STARTING, time.monotonic() + _START_S
+        while stage == shared.STARTING and not self.is_gone and time.monotonic() < until_s:
             time.sleep(_LOOK_S)
-        if self.memory.words[STAGE] != shared.READY:
-            self._leaves = True
-            self._buried.wait(_BURIAL_S)
-            raise PortError(self.memory.text() or "The step process did not start.")
-        self._started = True
-        return tuple(self.memory.text().splitlines())
+            stage = self.memory.words[STAGE]
+        if stage == shared.READY:
+            self._started = True
+            return tuple(self.memory.text().splitlines())
+        self._process.kill()
+        self.bury()
+        raise PortError(
+            self.memory.text() or f"The step process did not start ({self._how(self._code)})."
+        )
 
     @property
     def is_gone(self) -> bool:
@@ -147,9 +145,9 @@ class ChildProcess:
     def ring(self) -> None:
         """Wake it if it sleeps."""
         if self.memory.words[DOZING]:
-            # Full: it has been rung for often enough. Broken: the watcher knows.
-            with contextlib.suppress(OSError):
-                os.write(self._pipe, _BELL)
+            # Full: it has been rung for often enough. Broken or closed: the watcher knows.
+            with contextlib.suppress(OSError, ValueError):
+                self._pipe.write(_BELL)
 
     def kill(self, why: str) -> None:
         """End it at once, motors off from here.
@@ -170,13 +168,12 @@ class ChildProcess:
     def bury(self) -> Death:
         """How it ended; waits until the motors have been seen to."""
         self._buried.wait(_BURIAL_S)
-        if self._process.stdin:
-            self._process.stdin.close()
+        self._pipe.close()
         return self.death or Death("The step process cannot be ended", error="it still lives")
 
     def _watch(self) -> None:
         """In a thread of its own: waits for the end."""
-        code = self._process.wait()
+        self._code = code = self._process.wait()
         ended_ns = time.monotonic_ns()
         try:
             self.death = self._judge(code, ended_ns)

@@ -6,8 +6,9 @@ Rule 2: a process under SCHED_FIFO that never sleeps is stopped by the kernel fo
         second (``sched_rt_runtime_us``). So FIFO is for rates that leave time to sleep, and
         nice -20 for those that do not, unless the kernel has been told otherwise and there is a
         second core.
-Rule 3: in a session of its own a process is in a scheduling group of its own, where the kernel makes
-        such groups. Its nice value then only counts within the group: the group must be nice, too.
+Rule 3: in a session of its own a process is in a scheduling group of its own, where the kernel
+        makes such groups (autogroup). Its nice value then only counts within the group: the group
+        must be nice, too.
 Rule 4: sleeping is only exact without the timer slack of 50 us.
 """
 
