@@ -21,7 +21,7 @@ def _line(name: str, result: Lateness) -> str:
     ticks = len(result.late_us)
     return (
         f"{name:34}{percentiles}{result.late_edges():9}{result.late_ticks:9}{ticks:10}"
-        f"{result.dry_queues:5}"
+        f"{result.dry_queues:5}{result.played_hz:10.0f}"
     )
 
 
@@ -40,7 +40,10 @@ def main() -> None:
     given = parser.parse_args()
     cores = os.cpu_count() or 1
     columns = "".join(f"{name:>10}" for name in ("median", "p99", "p99.9", "longest"))
-    print(f"{'late by, us':34}{columns}{'> 1/4':>9}{'slipped':>9}{'edges':>10}{'dry':>5}")
+    print(
+        f"{'late by, us':34}{columns}{'> 1/4':>9}{'slipped':>9}{'edges':>10}{'dry':>5}"
+        f"{'played Hz':>10}"
+    )
     for key, (name, duty) in DUTIES.items():
         if given.only not in (None, key):
             continue

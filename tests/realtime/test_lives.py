@@ -1,5 +1,6 @@
 """Starting, dying and coming back: real processes, on a mill that writes everything down."""
 
+import io
 import os
 import signal
 import statistics
@@ -80,6 +81,15 @@ class TestStart:
     def test_a_child_that_ends_before_it_is_ready_is_not_waited_for(self) -> None:
         with pytest.raises(PortError, match="did not start"):
             RealtimeDriver(Setup(vanish, SmcCard()))
+
+    def test_under_an_app_that_has_taken_the_streams_away(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        for name in ("stdin", "stdout", "stderr", "__stderr__"):
+            monkeypatch.setattr(sys, name, io.StringIO())
+        driver = RealtimeDriver(Setup(NullPort, SmcCard()))
+        assert driver.poll(0).ended is Ended.NOT
+        driver.close()
 
     def test_closed_it_is_gone(self) -> None:
         driver = RealtimeDriver(Setup(NullPort, SmcCard()))

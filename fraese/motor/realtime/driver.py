@@ -22,7 +22,7 @@ from fraese.blocks import Q8, Block
 from fraese.errors import PortError
 from fraese.motor.blockqueue import _require_sound as require_sound
 from fraese.motor.realtime import mailbox
-from fraese.motor.realtime.memory import BRAKES, OVERRIDE, STOPS
+from fraese.motor.realtime.memory import BRAKES, FIRST_EDGE, LAST_EDGE, OVERRIDE, STOPS
 from fraese.motor.realtime.report import Told
 from fraese.motor.realtime.session import Session
 from fraese.motor.realtime.setup import Setup
@@ -144,9 +144,14 @@ class RealtimeDriver:
         self._closed = True
         self._session.close()
 
-    def samples(self) -> bytes:
-        """What the child has measured, as 32-bit numbers in ns; empty if it does not measure."""
-        return self._session.child.memory.measured()
+    def samples(self) -> tuple[bytes, float]:
+        """What the child has measured, if it does.
+
+        Returns:
+            How late each edge was, as 32-bit numbers in ns, and from the first to the last, s.
+        """
+        memory = self._session.child.memory
+        return memory.measured(), (memory.words[LAST_EDGE] - memory.words[FIRST_EDGE]) * 1e-9
 
     # --- lives -----------------------------------------------------------------------------------
 

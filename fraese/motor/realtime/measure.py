@@ -10,8 +10,8 @@ Rule 2: lateness is measured at the leader's edge, against the deadline that the
 import contextlib
 import subprocess
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -88,7 +88,7 @@ class Lateness:
     Attributes:
         duty: what was to be done.
         late_us: how late each edge was.
-        seconds: from the first edge to the last, as it should have been and with all delays.
+        played_hz: ticks a second as they were really made, all delays included.
         late_ticks: edges, falling ones too, late by more than a quarter of their interval.
         dry_queues: how often blocks came too late.
         notes: what the system granted and refused the child.
@@ -96,7 +96,7 @@ class Lateness:
 
     duty: Duty
     late_us: npt.NDArray[np.float64]
-    seconds: float
+    played_hz: float
     late_ticks: int
     dry_queues: int
     notes: tuple[str, ...]
@@ -139,11 +139,35 @@ def measure(duty: Duty, seconds: float) -> Lateness:
     driver = RealtimeDriver(setup)
     try:
         late_ticks, dry_queues = _play(driver, duty, ticks)
-        late_ns = driver.samples()
+        late_ns, span_s = driver.samples()
     finally:
         driver.close()
     late_us = np.frombuffer(late_ns, dtype=np.uint32) / 1000.0
-    return Lateness(duty, late_us, ticks / duty.rate_hz, late_ticks, dry_queues, driver.notes)
+    played_hz = (len(late_us) - 1) / span_s if span_s else 0.0
+    return Lateness(duty, late_us, played_hz, late_ticks, dry_queues, driver.notes)
+
+
+def highest_rate_hz(duty: Duty, seconds: float, rates_hz: Sequence[float]) -> float:
+    """The highest of some rates at which 999 of 1000 edges are late by less than a quarter.
+
+    A quarter of their interval, that is. Rates are tried from the lowest up, until one fails.
+
+    Args:
+        duty: what has to be done.
+        seconds: at each rate.
+        rates_hz: ascending.
+
+    Returns:
+        0 if even the lowest is too much.
+    """
+    best_hz = 0.0
+    for rate_hz in rates_hz:
+        tried = replace(duty, rate_hz=rate_hz)
+        result = measure(tried, seconds)
+        if result.percentiles_us()[2] >= tried.interval_us / 4:
+            break
+        best_hz = rate_hz
+    return best_hz
 
 
 def _play(driver: RealtimeDriver, duty: Duty, ticks: int) -> tuple[int, int]:
@@ -162,12 +186,12 @@ def _play(driver: RealtimeDriver, duty: Duty, ticks: int) -> tuple[int, int]:
 
 
 @contextlib.contextmanager
-def hogs(number: int) -> Iterator[None]:
-    """So many processes beside it that do nothing but compute."""
+def hogs(number: int) -> Iterator[tuple[int, ...]]:
+    """So many processes beside it that do nothing but compute; gives their numbers."""
     command = [sys.executable, "-S", "-c", "while True: pass"]
     processes = [subprocess.Popen(command) for _ in range(number)]
     try:
-        yield
+        yield tuple(process.pid for process in processes)
     finally:
         for process in processes:
             process.kill()

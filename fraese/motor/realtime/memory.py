@@ -64,6 +64,9 @@ DOZING: Final = 37
 SAMPLES: Final = 38
 #: Length of the text.
 TEXT_LENGTH: Final = 39
+#: When the first and the last edge were written, monotonic ns, where they are measured.
+FIRST_EDGE: Final = 40
+LAST_EDGE: Final = 41
 
 STARTING: Final = 0
 READY: Final = 1

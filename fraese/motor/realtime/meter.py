@@ -11,7 +11,7 @@ Rule 2: no memory is taken while measuring. When the room is full, edges are onl
 from collections.abc import Callable
 
 from fraese.motor.realtime.clock import RealtimeClock
-from fraese.motor.realtime.memory import SAMPLES, Memory
+from fraese.motor.realtime.memory import FIRST_EDGE, LAST_EDGE, SAMPLES, Memory
 from fraese.motor.realtime.setup import Meter
 from fraese.motor.seams import CONTROL, DATA, Port
 
@@ -52,16 +52,20 @@ class MeteredPort:
         def noting(value: int) -> None:
             write(value)
             if value & mask and clock.deadline_ns != self._deadline_ns:
-                self._note(now_ns() - clock.deadline_ns)
+                self._note(now_ns(), clock.deadline_ns)
 
         return noting
 
-    def _note(self, late_ns: int) -> None:
-        self._deadline_ns = self._clock.deadline_ns
+    def _note(self, now_ns: int, deadline_ns: int) -> None:
+        self._deadline_ns = deadline_ns
+        words = self._words
+        if not self._noted:
+            words[FIRST_EDGE] = now_ns
+        words[LAST_EDGE] = now_ns
         if self._noted < self._room:
-            self._samples[self._noted] = min(max(late_ns, 0), _MOST_NS)
+            self._samples[self._noted] = min(max(now_ns - deadline_ns, 0), _MOST_NS)
         self._noted += 1
-        self._words[SAMPLES] = self._noted
+        words[SAMPLES] = self._noted
 
     def close(self) -> None:
         """Pass on."""
