@@ -27,6 +27,7 @@ class Helper:
     chores: int = 0
     chore_ns: int = 4_000
     wish_at_ns: int | None = None
+    room_ns: int = ROOM_NS
     may_break: bool = True
     begun_ns: list[int] = field(default_factory=list)
     taken_ns: list[int] = field(default_factory=list)
@@ -69,6 +70,22 @@ def test_an_edge_is_never_early_and_no_chore_makes_it_late(
     now_ns = clock.wait_until(deadline_ns)
     assert deadline_ns <= now_ns <= max(deadline_ns, deadline_ns - ahead_ns) + 500
     assert all(deadline_ns - at > ROOM_NS for at in helper.begun_ns)
+
+
+def test_a_chore_that_takes_long_waits_for_a_gap_but_not_for_ever() -> None:
+    time, clock, helper = put_together(chores=100, chore_ns=80_000)
+    helper.room_ns = 100_000
+    clock.wait_until(time.now + 200_000)
+    helper.begun_ns.clear()
+    from_ns = time.now
+    while time.now < from_ns + FORCE_NS - 500_000:
+        clock.wait_until(time.now + 90_000)
+    assert not helper.begun_ns
+    for _ in range(10):
+        clock.wait_until(time.now + 90_000)
+    assert len(helper.begun_ns) == 1
+    clock.wait_until(time.now + 200_000)
+    assert len(helper.begun_ns) == 3
 
 
 def test_a_long_wait_is_slept_in_naps_that_end_in_time() -> None:

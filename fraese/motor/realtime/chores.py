@@ -3,7 +3,8 @@
     one round:  blocks - command - host - pump - report - (nothing more to do)
                 every dash: back to the clock, which may have a tick to play
 
-Rule 1: between two dashes a few microseconds, no more: the clock begins a chore only with room.
+Rule 1: between two dashes a few microseconds, no more: the clock begins a chore only with room. One
+        that takes longer says so before it, in ``room_ns``.
 Rule 2: a question is answered when all that was asked for before it has been taken up. A stop must
         have been acted on, so a report after it says so.
 Rule 3: a block whose maker did not know that the run had ended is dropped, as the rest of its queue
@@ -17,7 +18,7 @@ from typing import Final
 from fraese.errors import StateError
 from fraese.motor.core import MotorCore
 from fraese.motor.realtime import mailbox
-from fraese.motor.realtime.clock import RealtimeClock
+from fraese.motor.realtime.clock import ROOM_NS, RealtimeClock
 from fraese.motor.realtime.hostline import HostLine
 from fraese.motor.realtime.memory import (
     ANSWER,
@@ -41,6 +42,11 @@ from fraese.motor.realtime.report import Reporter
 from fraese.motor.realtime.ring import RingReader
 from fraese.motor.realtime.setup import RealtimeOptions
 
+#: Room for taking a block into the queue, ns, and for each piece of its law.
+_PUSH_NS: Final = 10_000
+_PIECE_NS: Final = 1_500
+#: Room for a change of outputs, ns: a phase card writes its table of movements anew.
+_OUTPUTS_NS: Final = 100_000
 #: A report is written at least so often where there is time, ns.
 _REPORT_NS: Final = 2_000_000
 #: The host is looked for so often, ns.
@@ -60,6 +66,7 @@ class Chores:
         playing: the core is being polled, and may be making steps.
         leaving: the child is to end when the motors stand.
         silent: the host was silent while the motors ran.
+        room_ns: time that the next chore may need.
         chore: does the next small piece of work; False: there is nothing to do just now.
     """
 
@@ -93,6 +100,7 @@ class Chores:
         self._command = 0
         self._report_at_ns = self._host_at_ns = self._pump_at_ns = 0
         self._pump_is_high = False
+        self.room_ns = ROOM_NS
         self.chore: Callable[[], bool] = self._rounds().__next__
 
     # --- wishes --------------------------------------------------------------------------------
@@ -162,16 +170,18 @@ class Chores:
                 for _ in self._take_block():
                     yield True
                 yield True
-            if words[COMMAND] != self._command and self._obey():
-                busy = True
-                yield True
+            if words[COMMAND] != self._command:
+                yield self._needs(_OUTPUTS_NS if words[COMMAND_KIND] == mailbox.OUTPUTS else 0)
+                busy |= self._obey()
+                yield self._needs(0)
             now_ns = self._now_ns()
             if now_ns >= self._host_at_ns:
                 self._look_for_host(now_ns)
                 yield True
             if self._pump and now_ns >= self._pump_at_ns:
+                yield self._needs(_OUTPUTS_NS)
                 self._toggle(now_ns)
-                yield True
+                yield self._needs(0)
             if self.playing:
                 echo = asked if self._may_answer() else reporter.echo
                 if echo != reporter.echo or now_ns >= self._report_at_ns:
@@ -180,6 +190,11 @@ class Chores:
                     for _ in reporter.steps(echo, self._clock.deadline_ns):
                         yield True
             yield busy
+
+    def _needs(self, ns: int) -> bool:
+        """The next chore may need so much time; True: there is more to do."""
+        self.room_ns = max(ROOM_NS, ns)
+        return True
 
     def _is_dropping(self) -> bool:
         """A run is ending: what waits is not taken, since it could be dropped or not."""
@@ -197,11 +212,15 @@ class Chores:
     def _take_block(self) -> Iterator[None]:
         decoder, ring = self._decoder, self._ring
         yield from decoder.steps(self._memory.ring, ring.first())
+        block = decoder.block
+        assert block is not None
+        self._needs(_PUSH_NS + _PIECE_NS * len(block.pieces))
         yield
+        self._needs(0)
         if self._is_dropping():
             return
-        if decoder.generation == self.reporter.generation and decoder.block is not None:
-            self._core.push(decoder.block)
+        if decoder.generation == self.reporter.generation:
+            self._core.push(block)
         else:
             self._run.queue.serial += 1
         ring.drop_first()

@@ -4,8 +4,8 @@
          |--chore--chore--nap-----------|---- spin --------|
          ^ wishes                       ^ room             the edge is written
 
-Rule 1: a deadline goes before all else. A chore is begun only if there is room for the longest of
-        them before it; a nap ends early enough for the kernel to be late.
+Rule 1: a deadline goes before all else. A chore is begun only if there is room for it; a nap ends
+        early enough for the kernel to be late.
 Rule 2: wishes (brake, stop, override) are looked at in every wait, also in one whose deadline has
         passed: one word is read, and they act within one tick at any rate.
 Rule 3: a wait of more than a millisecond is broken off for a wish, where the core may be
@@ -18,7 +18,7 @@ import time
 from collections.abc import Callable
 from typing import Final, Protocol
 
-#: A chore is not begun later than this before a deadline, ns: it takes a few microseconds.
+#: Room for any usual chore, ns: it takes a few microseconds, and more after a nap.
 ROOM_NS: Final = 15_000
 #: A nap ends this long before the deadline, ns: the kernel wakes late by some 50 us.
 SPIN_NS: Final = 80_000
@@ -35,7 +35,13 @@ class Interrupted(Exception):
 
 
 class Attendant(Protocol):
-    """Who wishes, and what there is to do between two deadlines."""
+    """Who wishes, and what there is to do between two deadlines.
+
+    Attributes:
+        room_ns: time that the next chore may need, ``ROOM_NS`` or more.
+    """
+
+    room_ns: int
 
     def has_wish(self) -> bool:
         """Something is wished for that was not taken up yet: one look at a word."""
@@ -49,6 +55,8 @@ class Attendant(Protocol):
 
 class Nobody:
     """Nothing to do, nothing to wish for."""
+
+    room_ns = ROOM_NS
 
     def has_wish(self) -> bool:
         """No."""
@@ -100,7 +108,7 @@ class RealtimeClock:
             self._take_wishes(deadline_ns - now)
             now = now_ns()
         while (ahead := deadline_ns - now) > ROOM_NS:
-            if attendant.chore():
+            if ahead > attendant.room_ns and attendant.chore():
                 self._force_ns = now + FORCE_NS
             elif ahead > SPIN_NS:
                 self._sleep_s(min(ahead - SPIN_NS, NAP_NS) * 1e-9)

@@ -23,7 +23,7 @@ from fraese.motor.seams import Ended, IdleLevel
 #: Longer than any run.
 _A_RUN_S: Final = 1e9
 #: At standstill inputs are read at least so often, s.
-DOZE_S: Final = 0.005
+DOZE_S: Final = 0.01
 _PLAYED_ON: Final = (Ended.NOT, Ended.TARGET)
 
 
