@@ -7,6 +7,9 @@ import argparse
 import os
 from typing import Final
 
+import numpy as np
+
+from fraese.motor.realtime.bareloop import interruptions_us
 from fraese.motor.realtime.measure import Duty, Lateness, hogs, measure, smc_duty, stepdir_duty
 
 DUTIES: Final = {
@@ -31,6 +34,16 @@ def _measure(name: str, duty: Duty, seconds: float) -> Lateness:
     return result
 
 
+def _bare(seconds: float) -> None:
+    """What the machine takes from a loop that only looks at the time."""
+    taken_us = interruptions_us(seconds)
+    median, p99, longest = np.percentile(taken_us or [0.0], (50, 99, 100))
+    print(
+        f"a bare loop is interrupted {len(taken_us) / seconds:.0f} times a second, for"
+        f" {median:.1f} us (p99 {p99:.1f}, longest {longest:.1f})"
+    )
+
+
 def main() -> None:
     """Print one line for each duty, idle and with a hog on every core."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -39,6 +52,7 @@ def main() -> None:
     parser.add_argument("--block-ticks", type=int, default=2000, help="length of the blocks")
     given = parser.parse_args()
     cores = os.cpu_count() or 1
+    _bare(given.seconds)
     columns = "".join(f"{name:>10}" for name in ("median", "p99", "p99.9", "longest"))
     print(
         f"{'late by, us':34}{columns}{'> 1/4':>9}{'slipped':>9}{'edges':>10}{'dry':>5}"

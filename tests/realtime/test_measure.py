@@ -8,6 +8,7 @@ import pytest
 
 from fraese.motor.ports.null import NullPort
 from fraese.motor.realtime import memory as shared
+from fraese.motor.realtime.bareloop import interruptions_us
 from fraese.motor.realtime.clock import RealtimeClock
 from fraese.motor.realtime.measure import (
     Duty,
@@ -85,6 +86,12 @@ def test_late_edges_are_those_later_than_a_quarter() -> None:
 def test_a_rate_that_nobody_can_play_is_not_the_highest() -> None:
     rates_hz = (500.0, 1e6)
     assert highest_rate_hz(stepdir_duty("paper", motors=1), 0.3, rates_hz) < 1e6
+
+
+def test_no_machine_leaves_a_loop_alone_for_ever() -> None:
+    taken_us = interruptions_us(0.3)
+    assert taken_us
+    assert all(3.0 < us < 300_000 for us in taken_us)
 
 
 def test_hogs_are_gone_afterwards() -> None:

@@ -13,7 +13,6 @@ import os
 import pickle
 import signal
 import subprocess
-import sys
 import threading
 import time
 from dataclasses import dataclass
@@ -25,6 +24,7 @@ from fraese.motor.realtime.hostline import message
 from fraese.motor.realtime.memory import DOZING, STAGE, Memory
 from fraese.motor.realtime.rescue import switch_off
 from fraese.motor.realtime.setup import Setup
+from fraese.motor.realtime.spawn import command, environment
 
 _MODULE: Final = "fraese.motor.realtime.child"
 #: Python has to start and to import, on a busy machine.
@@ -103,16 +103,15 @@ class ChildProcess:
 
     @staticmethod
     def _spawn(fd: int, samples: int) -> "subprocess.Popen[bytes]":
-        path = os.pathsep.join(folder for folder in sys.path if folder)
         return subprocess.Popen(
-            [sys.executable, "-P", "-m", _MODULE, str(fd), str(samples)],
+            command(_MODULE, str(fd), str(samples)),
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             bufsize=0,
             pass_fds=(fd,),
             start_new_session=True,
-            env={**os.environ, "PYTHONPATH": path},
+            env=environment(),
         )
 
     def _hand_over(self, setup: Setup) -> None:
