@@ -183,6 +183,14 @@ class TestDeathOfTheChild:
             poll_for_ever(bench.driver)
         assert set(bench.currents()) == OFF
 
+    def test_one_that_hangs_is_killed_when_it_is_to_close(self, bench: ChildBench) -> None:
+        bench.driver.push(line(9000))
+        bench.driver.poll(0.2)
+        os.kill(bench.driver.pid, signal.SIGSTOP)
+        bench.driver.close()
+        assert not is_alive(bench.driver.pid)
+        assert set(bench.currents()) == OFF
+
     def test_asked_to_end_by_a_signal_it_brakes_and_switches_off(self, bench: ChildBench) -> None:
         bench.driver.push(line(9000))
         bench.driver.poll(0.2)

@@ -230,6 +230,22 @@ class TestIgnorance:
         assert (report.ended, report.position_steps) == (Ended.STOP, (1, 0, 0))
         assert report.playing == 2
 
+    def test_no_answer_before_what_was_pushed_in_ignorance_is_dropped(self) -> None:
+        room = Room()
+        room.play(steady(100, rate_hz=1))
+
+        def stop_and_push() -> None:
+            room.stop()
+            room.play(steady(50))
+
+        room.at(1.6, stop_and_push)
+        seen: list[tuple[int, int]] = []
+        for k in range(100):
+            room.at(1.6001 + k * 1e-4, lambda: seen.append((room.told().echo, room.report.playing)))
+        room.until(2.0)
+        assert all(playing == 2 for echo, playing in seen if echo > 1)
+        assert seen[-1][0] > 1
+
     def test_nor_after_a_probe_has_touched(self) -> None:
         room = Room()
         room.bench.place("x", TRAVEL_STEPS - 30)

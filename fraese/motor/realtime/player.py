@@ -63,17 +63,20 @@ class Player:
         """Once round: what is wished for, a run or a look at the inputs, a report."""
         run, chores = self._run, self._chores
         seen = self._stirring()
-        asked = self._words[ASKED]
+        asked = chores.reporter.echo
         if run.standing:
+            asked = self._words[ASKED]
             self._attend()
-        if self._is_to_play(asked):
+        plays = self._is_to_play(asked)
+        if plays:
             asked = self._play(asked)
         else:
             run.wires.sample()
         if run.standing:
             self._finish_silence()
             chores.reporter.write(asked)
-            if seen == self._stirring() and not chores.leaving:
+            # After a run there is what was left lying while it ended.
+            if not plays and not chores.leaving:
                 self._doze(seen)
 
     def _attend(self) -> None:
