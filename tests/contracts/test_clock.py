@@ -6,15 +6,17 @@ from collections.abc import Callable
 import pytest
 
 from fraese.motor.clock import MonotonicClock, PacedClock, VirtualClock
+from fraese.motor.realtime.clock import RealtimeClock
 from fraese.motor.seams import Clock
 
-#: Short, because two of the peers really wait.
+#: Short, because most of the peers really wait.
 WAIT_NS = 500_000
 
 PEERS: dict[str, Callable[[], Clock]] = {
     "monotonic": MonotonicClock,
     "virtual": VirtualClock,
     "paced": PacedClock,
+    "real-time": RealtimeClock,
 }
 
 
