@@ -28,7 +28,6 @@ firmware:
 # The simulated ATmega328P, into .rig-cache/; the tests build it by themselves.
 rig-avr: $(READY)
 	$(BIN)/python -m rigs.avr.build
-
 # The ports on a real kernel: QEMU, Debian's kernel, an emulated LPT. See rigs/lpt/README.md.
 rig-lpt: $(READY)
 	$(BIN)/python -m rigs.lpt

@@ -178,6 +178,14 @@ class OutputsConfig(Section):
         ),
     )
 
+    heartbeat: OutputConfig | None = Field(
+        None,
+        description=(
+            "Charge pump: toggles while the step loop of a parallel port lives, for drives that"
+            " switch off without it."
+        ),
+    )
+
     def configured(self) -> list[tuple[str, OutputConfig]]:
         """Names and pins of the outputs there are; the place is the bit that a driver knows."""
         return [(name, output) for name, output in self if output is not None]
@@ -258,6 +266,26 @@ class PortConfig(Section):
         if not _DEVICE.fullmatch(value):
             raise ValueError("must be the full path of a device file, such as /dev/parport0")
         return value
+
+
+class RealtimeConfig(Section):
+    """The process that makes the steps on a parallel port."""
+
+    core: int | None = Field(
+        None, ge=0, description="Processor that it stays on; without one, the last of several."
+    )
+    silent_s: float = Field(
+        1,
+        ge=0.2,
+        le=60,
+        description=(
+            "When it hears nothing from the program for so long while motors run, it brakes and"
+            " switches off, s."
+        ),
+    )
+    heartbeat_hz: float = Field(
+        100, gt=0, le=500, description="Periods a second of outputs.heartbeat."
+    )
 
 
 class SwitchesConfig(Section):
@@ -492,6 +520,7 @@ class Config(Section):
     axes: AxesConfig = AxesConfig()
     card: CardConfig = CardConfig()
     port: PortConfig = PortConfig()
+    realtime: RealtimeConfig = RealtimeConfig()
     outputs: OutputsConfig = OutputsConfig()
     switches: SwitchesConfig = SwitchesConfig()
     standstill: StandstillConfig = StandstillConfig()

@@ -45,6 +45,16 @@ class MotorCore:
         self._closed = False
         self._run.wires.idle(IdleLevel.OFF)
 
+    @property
+    def run(self) -> Run:
+        """The rooms behind the door, for one who drives the core in a process of its own."""
+        return self._run
+
+    @property
+    def card(self) -> Card:
+        """What the registers mean."""
+        return self._card
+
     def push(self, block: Block) -> bool:
         """Take a final block; False: the queue is full and nothing was taken.
 

@@ -139,12 +139,13 @@ class Cursor:
             for n, direction in zip(self.block.steps, self.directions, strict=True)
         )
 
-    def steps_now(self) -> tuple[int, ...]:
-        """Signed steps of every motor so far."""
-        steps = self.steps_at(self.done)
-        if not self.moved:
-            return steps
-        return self._with(steps, self.moved)
+    def steps_after(self, done: int, moved: int) -> tuple[int, ...]:
+        """The same, when the motors in a bit mask have made their step of the next tick too."""
+        steps = self.steps_at(done)
+        return tuple(
+            n + direction if moved >> motor & 1 else n
+            for motor, (n, direction) in enumerate(zip(steps, self.directions, strict=True))
+        )
 
     def steps_within_beat(self, last_motor: int) -> tuple[int, ...]:
         """The same in the middle of a beat: motors up to ``last_motor`` have made their step.
@@ -156,10 +157,4 @@ class Cursor:
             moving = self.leader_bit
         elif last_motor >= 0:
             moving &= self.leader_bit | (2 << last_motor) - 1
-        return self._with(self.steps_at(self.done), self.moved | moving)
-
-    def _with(self, steps: tuple[int, ...], moved: int) -> tuple[int, ...]:
-        return tuple(
-            n + direction if moved >> motor & 1 else n
-            for motor, (n, direction) in enumerate(zip(steps, self.directions, strict=True))
-        )
+        return self.steps_after(self.done, self.moved | moving)

@@ -64,6 +64,9 @@ class Clock(Protocol):
     def wait_until(self, deadline_ns: int) -> int:
         """Return at the deadline or after it, with the time then; at once if it has passed."""
 
+    def pass_by(self, elapsed_ns: int) -> None:
+        """Somebody has waited so long without this clock; where time only moves here, it does."""
+
 
 class IdleLevel(Enum):
     """Current at standstill."""
@@ -144,6 +147,8 @@ class Ended(Enum):
     STOP = "stop"
     #: ``flush()`` after a hold.
     FLUSH = "flush"
+    #: The host was silent while the motors ran: braked, dropped, switched off.
+    SILENCE = "silence"
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,13 +8,45 @@ Rule 3: motors whose last tick was faster than their start/stop rate are torn: t
         turned on. A rate of dwell ticks moves nobody.
 """
 
-from typing import Final
+from typing import Final, NamedTuple
 
 from fraese.blocks import CYCLES_PER_S, Block
 from fraese.motor.cursor import Cursor
 
 #: The motor argument of a reading that belongs to no tick.
 BETWEEN_TICKS: Final = -2
+
+
+class Way(NamedTuple):
+    """The way up to a moment: taken in no time, calculated when there is time.
+
+    Attributes:
+        base_steps: signed counts of the blocks before.
+        base_travelled_steps: the same, both directions added.
+        cursor: the block in hand.
+        done: its ticks.
+        moved: motors that have made their step of the tick in hand, a bit each.
+    """
+
+    base_steps: tuple[int, ...]
+    base_travelled_steps: tuple[int, ...]
+    cursor: Cursor | None
+    done: int
+    moved: int
+
+    def position_steps(self) -> tuple[int, ...]:
+        """Signed count of every motor."""
+        if self.cursor is None:
+            return self.base_steps
+        moved = self.cursor.steps_after(self.done, self.moved)
+        return tuple(a + b for a, b in zip(self.base_steps, moved, strict=True))
+
+    def travelled_steps(self) -> tuple[int, ...]:
+        """The count of every motor, both directions added."""
+        if self.cursor is None:
+            return self.base_travelled_steps
+        moved = self.cursor.steps_after(self.done, self.moved)
+        return tuple(a + abs(b) for a, b in zip(self.base_travelled_steps, moved, strict=True))
 
 
 class Track:
@@ -74,18 +106,20 @@ class Track:
     def position_steps(self, motor: int = BETWEEN_TICKS) -> tuple[int, ...]:
         """Signed count of every motor, after ``motor`` has made its step of the present tick."""
         cursor = self.cursor
-        if cursor is None:
-            return self._base_steps
-        moved = cursor.steps_now() if motor == BETWEEN_TICKS else cursor.steps_within_beat(motor)
+        if motor == BETWEEN_TICKS or cursor is None:
+            return self.way().position_steps()
+        moved = cursor.steps_within_beat(motor)
         return tuple(a + b for a, b in zip(self._base_steps, moved, strict=True))
 
     def travelled_steps(self) -> tuple[int, ...]:
         """The count of every motor, both directions added."""
+        return self.way().travelled_steps()
+
+    def way(self) -> Way:
+        """The way so far, for somebody who has no time to calculate it just now."""
         cursor = self.cursor
-        if cursor is None:
-            return self._travelled_steps
-        moved = cursor.steps_now()
-        return tuple(a + abs(b) for a, b in zip(self._travelled_steps, moved, strict=True))
+        done, moved = (cursor.done, cursor.moved) if cursor is not None else (0, 0)
+        return Way(self._base_steps, self._travelled_steps, cursor, done, moved)
 
     def rate_hz(self) -> float:
         """Ticks per second of the leader; 0 at standstill and in a dwell."""

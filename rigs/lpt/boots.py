@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Final
 
 from rigs.lpt.checks import Outcome
-from rigs.lpt.guest import END_MARK
 from rigs.lpt.kernel import Kernel
 from rigs.lpt.machine import MARK, Access, Machine
+from rigs.lpt.tools import END_MARK
 from tests.rigs.lpt.fakeport import Event, FakePort
 
 #: A move is under way when so much has happened at the port.

@@ -241,6 +241,10 @@ class Workbench:
     def lost(self) -> tuple[float, ...]:
         return self.simulated.look().lost_steps
 
+    def currents(self) -> list[tuple[float, float]]:
+        """What a clamp meter shows on every motor's coils."""
+        return [(*pair,) for pair in self.simulated.look().currents]
+
     def place(self, axis: str, from_low_steps: float) -> "Workbench":
         """Put a carriage so far from its lower switch; distances count from there."""
         self.mill.place(AXES.index(axis), from_low_steps, self.clock.now_ns())

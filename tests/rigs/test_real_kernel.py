@@ -46,7 +46,7 @@ def booted(debian: Kernel, tmp_path_factory: pytest.TempPathFactory) -> Booted:
 
 def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("shutil.which", lambda command: None)
-    with pytest.raises(NotHere, match="qemu-system-x86 busybox-static cpio|needs Linux on x86_64"):
+    with pytest.raises(NotHere, match=r"qemu-system-x86 busybox-static cpio|needs Linux on x86_64"):
         kernel()
     assert "apt-get install" in fakeport.missing() or "needs Linux" in fakeport.missing()
 

@@ -1,0 +1,206 @@
+"""The child as its parent sees it: started, rung, watched, and buried.
+
+Rule 1: a subprocess, not a fork: it has nothing of the app's threads, terminal or locks. It has the
+        parent's module path, and no streams: under the app there may be none.
+Rule 2: a thread waits for its death. Unless it left in order, the port is opened again at once and
+        the motors are switched off; only then anybody is told.
+Rule 3: the shared memory is given back when nobody holds it any more: ``brake`` may come late, from
+        any thread.
+"""
+
+import contextlib
+import os
+import pickle
+import signal
+import subprocess
+import threading
+import time
+from dataclasses import dataclass
+from typing import Final
+
+from fraese.errors import FraeseError, PortError
+from fraese.motor.realtime import memory as shared
+from fraese.motor.realtime.hostline import message
+from fraese.motor.realtime.memory import DOZING, STAGE, Memory
+from fraese.motor.realtime.rescue import switch_off
+from fraese.motor.realtime.setup import Setup
+from fraese.motor.realtime.spawn import command, environment
+
+_MODULE: Final = "fraese.motor.realtime.child"
+#: Python has to start and to import, on a busy machine.
+_START_S: Final = 20.0
+_LOOK_S: Final = 0.001
+#: After its death, the motors are off or not within this.
+_BURIAL_S: Final = 2.0
+_BELL: Final = b"\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Death:
+    """How the child ended, and how the motors were left.
+
+    Attributes:
+        how: half a sentence; empty when it left in order.
+        off_ms: the parent switched the motors off so long after it; None: there was no need to.
+        error: why it could not.
+    """
+
+    how: str
+    off_ms: float | None = None
+    error: str = ""
+
+    def sentence(self) -> str:
+        """For the user."""
+        if self.error:
+            off = f"the motors could not be switched off ({self.error}): cut their power"
+        elif self.off_ms is None:
+            off = "it switched the motors off"
+        else:
+            off = f"the motors were switched off {self.off_ms:.0f} ms later"
+        return f"{self.how}; {off}. The position is uncertain: reference the machine again."
+
+
+class ChildProcess:
+    """One life of the child.
+
+    Args:
+        setup: what it is told.
+
+    Attributes:
+        memory: shared with it.
+        notes: what the system granted and refused it.
+        death: how it ended, when the motors have been seen to.
+
+    Raises:
+        PortError: if it does not start, with its own sentence.
+    """
+
+    def __init__(self, setup: Setup) -> None:
+        self._setup = setup
+        self._why = ""
+        self._leaves = False
+        self.death: Death | None = None
+        self._buried = threading.Event()
+        samples = setup.meter.samples if setup.meter else 0
+        fd = shared.create(samples)
+        try:
+            self.memory = Memory(fd, samples)
+            self._process = self._spawn(fd, samples)
+        except OSError as error:
+            raise PortError(f"The step process cannot be started: {error.strerror}.") from error
+        finally:
+            os.close(fd)
+        assert self._process.stdin is not None
+        self._pipe = self._process.stdin
+        self._started = False
+        self._code = 0
+        threading.Thread(target=self._watch, name="step process", daemon=True).start()
+        self._hand_over(setup)
+        self.notes = self._wait_until_ready()
+
+    @property
+    def pid(self) -> int:
+        """Process number."""
+        return self._process.pid
+
+    @staticmethod
+    def _spawn(fd: int, samples: int) -> "subprocess.Popen[bytes]":
+        return subprocess.Popen(
+            command(_MODULE, str(fd), str(samples)),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            bufsize=0,
+            pass_fds=(fd,),
+            start_new_session=True,
+            env=environment(),
+        )
+
+    def _hand_over(self, setup: Setup) -> None:
+        data = memoryview(message(pickle.dumps(setup)))
+        # Broken: it did not start, and that is seen soon.
+        with contextlib.suppress(BrokenPipeError):
+            while data:
+                data = data[self._pipe.write(data) :]
+        os.set_blocking(self._pipe.fileno(), False)
+
+    def _wait_until_ready(self) -> tuple[str, ...]:
+        stage, until_s = shared.STARTING, time.monotonic() + _START_S
+        while stage == shared.STARTING and not self.is_gone and time.monotonic() < until_s:
+            time.sleep(_LOOK_S)
+            stage = self.memory.words[STAGE]
+        if stage == shared.READY:
+            self._started = True
+            return tuple(self.memory.text().splitlines())
+        self._process.kill()
+        self.bury()
+        raise PortError(
+            self.memory.text() or f"The step process did not start ({self._how(self._code)})."
+        )
+
+    @property
+    def is_gone(self) -> bool:
+        """It has ended; whether the motors are off is known a little later."""
+        return self._process.poll() is not None
+
+    def ring(self) -> None:
+        """Wake it if it sleeps."""
+        if self.memory.words[DOZING]:
+            # Full: it has been rung for often enough. Broken or closed: the watcher knows.
+            with contextlib.suppress(OSError, ValueError):
+                self._pipe.write(_BELL)
+
+    def kill(self, why: str) -> None:
+        """End it at once, motors off from here.
+
+        Args:
+            why: half a sentence for the user.
+        """
+        self._why = why
+        self._process.kill()
+
+    def leave(self, patience_s: float) -> Death:
+        """It was told to end: wait for that; if it takes longer, kill it."""
+        self._leaves = True
+        if not self._buried.wait(patience_s):
+            self.kill("The step process did not end when told to and was killed")
+        return self.bury()
+
+    def bury(self) -> Death:
+        """How it ended; waits until the motors have been seen to."""
+        self._buried.wait(_BURIAL_S)
+        self._pipe.close()
+        return self.death or Death("The step process cannot be ended", error="it still lives")
+
+    def _watch(self) -> None:
+        """In a thread of its own: waits for the end."""
+        self._code = code = self._process.wait()
+        ended_ns = time.monotonic_ns()
+        try:
+            self.death = self._judge(code, ended_ns)
+        except BaseException as error:
+            self.death = Death(self._how(code), error=repr(error))
+        finally:
+            self._buried.set()
+
+    def _judge(self, code: int, ended_ns: int) -> Death:
+        stage = self.memory.words[STAGE]
+        if stage == shared.ENDED:
+            how = "" if self._leaves else "The step process was told to end"
+            return Death(how)
+        if stage == shared.FAILED or not self._started:
+            return Death(self._how(code))
+        try:
+            switch_off(self._setup.open_port, self._setup.card)
+        except FraeseError as error:
+            return Death(self._how(code), error=str(error).rstrip("."))
+        return Death(self._how(code), off_ms=(time.monotonic_ns() - ended_ns) * 1e-6)
+
+    def _how(self, code: int) -> str:
+        if self._why:
+            return self._why
+        if self.memory.words[STAGE] in (shared.FAILED, shared.FAILED_LIVE):
+            return self.memory.text().rstrip(".")
+        if code < 0:
+            return f"The step process died ({signal.Signals(-code).name})"
+        return f"The step process ended by itself (code {code})"

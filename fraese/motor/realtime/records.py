@@ -1,0 +1,118 @@
+"""Blocks as bytes: how they lie in the ring.
+
+    header   16 numbers of 8 bytes
+    steps    one number a motor
+    pieces   three numbers a piece
+
+Rule 1: plain signed 64-bit numbers, native order: both sides are the same machine.
+Rule 2: a record is a multiple of eight bytes.
+Rule 3: reading goes in small steps, for somebody who has only microseconds between two ticks.
+"""
+
+import struct
+from collections.abc import Iterator
+from typing import Final
+
+from fraese.blocks import Block, Outputs, Piece, Watch, WatchAction
+
+_HEADER: Final = struct.Struct("=16q")
+_PIECE: Final = struct.Struct("=3q")
+_NUMBER_BYTES: Final = 8
+#: Pieces that are read in one step.
+_PIECES_A_STEP: Final = 4
+_ACTIONS: Final = tuple(WatchAction)
+
+_ENDS_AT_REST: Final = 1
+_HAS_WATCH: Final = 2
+_HAS_OUTPUTS: Final = 4
+
+
+def encode(block: Block, generation: int) -> bytes:
+    """A block as a record.
+
+    Args:
+        block: what to write.
+        generation: how many ends of runs its maker knew of.
+
+    Raises:
+        ValueError: if a number of it needs more than 64 bits.
+    """
+    watch = block.watch or Watch(0, 0, WatchAction.IGNORE)
+    outputs = block.outputs or Outputs(0, 0)
+    flags = (
+        _ENDS_AT_REST * block.ends_at_rest
+        | _HAS_WATCH * (block.watch is not None)
+        | _HAS_OUTPUTS * (block.outputs is not None)
+    )
+    motors, pieces = len(block.steps), len(block.pieces)
+    size = _HEADER.size + motors * _NUMBER_BYTES + pieces * _PIECE.size
+    flat = [number for piece in block.pieces for number in piece]
+    header = (
+        size, generation, motors, pieces, flags,
+        block.accel_q, block.jump_rate_q8, block.weight, block.override_q8, block.tag,
+        watch.mask, watch.value, _ACTIONS.index(watch.action), outputs.mask, outputs.value, 0,
+    )  # fmt: skip
+    try:
+        return _HEADER.pack(*header) + struct.pack(f"={motors + 3 * pieces}q", *block.steps, *flat)
+    except struct.error as error:
+        raise ValueError("a block with a number of more than 64 bits") from error
+
+
+def size_at(buffer: memoryview, at: int) -> int:
+    """Bytes of the record that begins there."""
+    size: int = struct.unpack_from("=q", buffer, at)[0]
+    return size
+
+
+class Decoder:
+    """Reads one record, step by step.
+
+    Attributes:
+        generation: how many ends of runs its maker knew of.
+        block: the block, when the steps are done.
+    """
+
+    def __init__(self) -> None:
+        self.generation = 0
+        self.block: Block | None = None
+
+    def steps(self, buffer: memoryview, at: int) -> Iterator[None]:
+        """Read the record that begins there; every step takes a few microseconds."""
+        self.block = None
+        (
+            _, self.generation, motors, pieces, flags,
+            accel_q, jump_rate_q8, weight, override_q8, tag,
+            watch_mask, watch_value, action, outputs_mask, outputs_value, _,
+        ) = _HEADER.unpack_from(buffer, at)  # fmt: skip
+        at += _HEADER.size
+        steps = struct.unpack_from(f"={motors}q", buffer, at)
+        at += motors * _NUMBER_BYTES
+        yield
+        law: list[Piece] = []
+        for first in range(0, pieces, _PIECES_A_STEP):
+            for _ in range(first, min(first + _PIECES_A_STEP, pieces)):
+                law.append(Piece._make(_PIECE.unpack_from(buffer, at)))
+                at += _PIECE.size
+            yield
+        watch = Watch(watch_mask, watch_value, _ACTIONS[action]) if flags & _HAS_WATCH else None
+        self.block = Block(
+            steps,
+            tuple(law),
+            accel_q,
+            jump_rate_q8,
+            weight,
+            bool(flags & _ENDS_AT_REST),
+            watch,
+            Outputs(outputs_mask, outputs_value) if flags & _HAS_OUTPUTS else None,
+            tag,
+            override_q8,
+        )
+
+
+def decode(buffer: memoryview, at: int = 0) -> tuple[Block, int]:
+    """The block of a record, and its generation, at once."""
+    decoder = Decoder()
+    for _ in decoder.steps(buffer, at):
+        pass
+    assert decoder.block is not None
+    return decoder.block, decoder.generation
