@@ -197,6 +197,7 @@ class BridgeDriver:
         with self._guarded() as session:
             self._require_standstill(session, "the queue can only be dropped")
             self._drop(session)
+            self._ended = Ended.FLUSH
 
     def idle(self, level: IdleLevel) -> None:
         """Set the standstill current.
@@ -274,9 +275,8 @@ class BridgeDriver:
         """The device has stopped. What was still on its way, or here, must not be played."""
         self._stopping = False
         if self._account.queued:
-            ended = self._ended
             self._drop(session)
-            self._ended = ended
+            self._ended = Ended.STOP
 
     def _drop(self, session: Session) -> None:
         """Drop the queue of a device that stands, and what never got there."""
@@ -326,7 +326,8 @@ class BridgeDriver:
             session.link.drop_stream()
             self._outbox.restart()
         self._account.see(status, dropped=dropped)
-        self._ended = c.ended_of(status.ended)
+        if status.ended != before.ended:
+            self._ended = c.ended_of(status.ended)
         if status.state & c.State.MOVING:
             self._was_torn = False
         elif not self._account.queued:
@@ -437,6 +438,7 @@ class BridgeDriver:
             session.command(c.KIND_MODE, _MODES[self._mode])
             self._send_override(session)
             self._status = session.ask()
+            self._ended = c.ended_of(self._status.ended)
             session.listener = self._hear
             session.ask()
         except PortError:

@@ -1,7 +1,8 @@
 """Blocks made into records: dry points, limits that go on, and whether there is room.
 
 Rule 1: a record is made when its block is pushed, in the order in which it will be played.
-Rule 2: where a queue is dropped, the next record begins as if there were none before it.
+Rule 2: where a queue was dropped, nobody needs to know which record the device saw last: the next
+        one says all its limits.
 """
 
 from typing import Final
@@ -11,6 +12,9 @@ from fraese.motor.bridge.constants import DRY_NONE
 from fraese.motor.bridge.link import Link
 from fraese.motor.bridge.records import Carried, Dry, body, carried_after, with_dry_point
 from fraese.motor.horizon import DryPoint, Horizon
+
+#: Limits that no block has: whatever comes next is said in full.
+_UNKNOWN: Final = Carried(-1, -1, -1)
 
 #: What is kept here when the device's ring is full, bytes.
 BACKLOG: Final = 1024
@@ -28,7 +32,7 @@ class Outbox:
         self._link = link
         self._ring = ring
         self._horizon = Horizon()
-        self._carried = Carried()
+        self._carried = _UNKNOWN
 
     @property
     def room(self) -> int:
@@ -58,7 +62,7 @@ class Outbox:
 
     def restart(self) -> None:
         """The queue was dropped."""
-        self._carried = Carried()
+        self._carried = _UNKNOWN
         self.forget_horizon()
 
     def forget_horizon(self) -> None:
