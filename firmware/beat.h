@@ -14,6 +14,14 @@
 
 #define HERE static inline __attribute__((always_inline))
 
+/* Two port bytes with nothing in between: both are worked out before the first is written. */
+HERE void write_pair(volatile uint8_t *one, uint8_t a, volatile uint8_t *other, uint8_t b)
+{
+    __asm__ __volatile__("" : "+r"(a), "+r"(b));
+    *one = a;
+    *other = b;
+}
+
 struct entry {
     uint8_t low, high; /* port bytes */
     uint8_t bit;       /* motor */
@@ -68,6 +76,17 @@ HERE uint16_t wait_for(uint16_t due)
         : [left] "+d"(left)
         : [low] "n"(_SFR_MEM_ADDR(TCNT1L)), [high] "n"(_SFR_MEM_ADDR(TCNT1H)));
     return (uint16_t)-left;
+}
+
+/* The same, then two port bytes at once; how late they are. */
+HERE uint16_t write_at(uint16_t due, volatile uint8_t *one, uint8_t a, volatile uint8_t *other,
+                       uint8_t b)
+{
+    __asm__ __volatile__("" : "+r"(a), "+r"(b), "+r"(due));
+    uint16_t late = wait_for(due);
+    *one = a;
+    *other = b;
+    return late;
 }
 
 #endif

@@ -445,13 +445,9 @@ late:
     cbi  _SFR_IO_ADDR(GPIOR0), 7
     lds  r22, player + PLAYER_LATE
     lds  r23, player + PLAYER_LATE + 1
-    lds  r24, player + PLAYER_BEAT_CYCLES
-    lds  r25, player + PLAYER_BEAT_CYCLES + 1
-    tst  r20
-    brne 1f
     lds  r24, player + PLAYER_CYCLES
     lds  r25, player + PLAYER_CYCLES + 1
-1:  lsr  r25
+    lsr  r25
     ror  r24
     lsr  r25
     ror  r24
