@@ -18,7 +18,7 @@ _Static_assert(FAR_CYCLES >> 8 == FAR_HIGH, "one limit for C and assembler");
 #define SOON_CYCLES 800
 #define MOST_BEATS 8
 /* From the end of the wait to the first write it takes beats.S so much longer than C. */
-#define LEAD_CYCLES 7
+#define LAG_CYCLES 1
 
 #define AT(type, field, offset) \
     _Static_assert(offsetof(struct type, field) == (offset), #type "." #field)
@@ -65,6 +65,7 @@ AT(beat, mind, BEAT_MIND);
 AT(beat, pins, BEAT_PINS);
 
 AT(player, patience, PLAYER_PATIENCE);
+AT(player, early, PLAYER_EARLY);
 AT(player, late_ticks, PLAYER_LATE_TICKS);
 _Static_assert(sizeof(struct beat) == BEAT_SIZE, "struct beat");
 _Static_assert(sizeof(struct tracks) == TRACKS_SIZE, "struct tracks");
@@ -94,10 +95,15 @@ static bool is_phase_card(void)
 
 /* ---- when */
 
+static void set_mode(uint8_t mode)
+{
+    player.mode = mode;
+    player.early = mode == MODE_PHASES ? EARLY_CYCLES : EARLY_SLOW_CYCLES;
+}
+
 static void set_compare(void)
 {
-    uint8_t early = player.mode == MODE_PHASES ? EARLY_CYCLES : EARLY_SLOW_CYCLES;
-    OCR1A = player.due - early;
+    OCR1A = player.due - player.early;
 }
 
 /* The next interrupt, so long after the last deadline. */
@@ -113,7 +119,7 @@ static void arm(uint8_t mode, uint32_t wait)
         player.due += HOP_CYCLES;
         mode = MODE_HOP;
     }
-    player.mode = mode;
+    set_mode(mode);
     set_compare();
 }
 
@@ -423,7 +429,8 @@ static void tick_done(void)
     player.interval_q8 += (uint32_t)player.add_q8;
 }
 
-/* ---- called by beats.S; the timer is stopped where 0 is given back */
+/* ---- called by beats.S, which is given: 0, the timer is stopped; TIMER_SET; or the beats of a tick
+ *      for which beats.S makes out the next one */
 
 #define TIMER_SET 0xFF
 
@@ -431,24 +438,35 @@ static uint8_t or_stop(bool goes_on)
 {
     if (!goes_on)
         TIMSK1 = 0;
-    return goes_on;
+    return goes_on ? TIMER_SET : 0;
 }
 
 /* The tick is taken: its beats for beats.S to go on, or TIMER_SET. */
 static uint8_t hand_over(void)
 {
-    if (player.ramps != RAMP_SLOW && !player.block->outputs_due) {
-        player.mode = MODE_PHASES;
-        return player.beats;
+    if (player.ramps == RAMP_SLOW) {
+        go_to_beat(true);
+        return TIMER_SET;
     }
-    go_to_beat(true);
-    return TIMER_SET;
+    if (player.block->outputs_due)
+        make_outputs_of(player.block);
+    set_mode(beat.control_due ? MODE_SLOW : MODE_PHASES);
+    return player.beats;
+}
+
+static uint8_t take_next(void)
+{
+    uint32_t cycles;
+    player.last_cycles = player.cycles;
+    if (!find_tick(&cycles))
+        return or_stop(false);
+    take_tick(cycles);
+    return hand_over();
 }
 
 /* A tick of a phase card was played and counted, and the next is no usual one. */
 uint8_t player_tick(void)
 {
-    uint32_t cycles;
     if (player.ramps != RAMP_NONE)
         player.interval_q8 += (uint32_t)player.add_q8;
     if (WANT == _BV(IS_THROTTLED) && player.done != player.piece_end
@@ -457,11 +475,7 @@ uint8_t player_tick(void)
         player.chosen_at = player.done;
         return player.beats;
     }
-    player.last_cycles = player.cycles;
-    if (!find_tick(&cycles))
-        return or_stop(false);
-    take_tick(cycles);
-    return hand_over();
+    return take_next();
 }
 
 /* The same, but the next interval is chosen: one of a ramp. */
@@ -477,7 +491,7 @@ static uint16_t write_control(void)
 {
     uint8_t high = (uint8_t)((PORT_HIGH & DATA_HIGH_MASK) | beat.control_high);
     beat.control_due = false;
-    return write_at(player.due - LEAD_CYCLES, &PORT_HIGH, high, &PORT_EXTRA, beat.control_extra);
+    return write_control_at(player.due + LAG_CYCLES, high, beat.control_extra);
 }
 
 static void strobe_and_read(uint8_t n)
@@ -497,7 +511,7 @@ static uint16_t write_movements(void)
     if (beat.control_due) {
         late = write_control();
     } else if (count) {
-        late = write_at(player.due - LEAD_CYCLES, &PORT_LOW, entry->low, &PORT_HIGH, entry->high);
+        late = write_data_at(player.due + LAG_CYCLES, entry->low, entry->high);
         strobe_and_read(0);
         n = 1;
     } else {
@@ -513,18 +527,22 @@ static uint16_t write_movements(void)
 }
 
 /* A beat that beats.S leaves alone: of a dwell, with outputs, of a long interval. */
-static bool play_slowly(void)
+static uint8_t play_slowly(void)
 {
     uint16_t late = write_movements();
     inputs_examine_beat();
     note_late(late, player.cycles);
     if (player.beats_left) {
         player.moved |= beat.mask;
-        go_to_beat(false);
-        return true;
+        if (player.cycles >= FAR_CYCLES) {
+            go_to_beat(false);
+            return TIMER_SET;
+        }
+        set_mode(MODE_PHASES);
+        return player.beats_left;
     }
     tick_done();
-    return go_on();
+    return take_next();
 }
 
 /* The clock lines leave their rest. */
@@ -537,7 +555,7 @@ static void play_rise(void)
         if (entry->bit)
             write_pair(&PORT_LOW, entry->low, &PORT_HIGH, entry->high);
     } else if (entry->bit) {
-        late = write_at(player.due - LEAD_CYCLES, &PORT_LOW, entry->low, &PORT_HIGH, entry->high);
+        late = write_data_at(player.due + LAG_CYCLES, entry->low, entry->high);
     } else {
         late = wait_for(player.due);
     }
@@ -556,8 +574,7 @@ static void play_rise(void)
 static bool play_fall(void)
 {
     uint8_t high = (uint8_t)(DATA_HIGH(card.data) | card.control_high);
-    uint16_t late =
-        write_at(player.due - LEAD_CYCLES, &PORT_LOW, DATA_LOW(card.data), &PORT_HIGH, high);
+    uint16_t late = write_data_at(player.due + LAG_CYCLES, DATA_LOW(card.data), high);
     note_late(late, player.cycles >> 1);
     return go_on();
 }
@@ -597,7 +614,7 @@ static bool play_hop(void)
         player.due += HOP_CYCLES;
     } else {
         player.due += hop.rest;
-        player.mode = player.after_hops;
+        set_mode(player.after_hops);
     }
     set_compare();
     return true;
@@ -610,11 +627,11 @@ uint8_t player_play(void)
         return or_stop(play_hop());
     case MODE_RISE:
         play_rise();
-        return true;
+        return TIMER_SET;
     case MODE_FALL:
         return or_stop(play_fall());
     default:
-        return or_stop(play_slowly());
+        return play_slowly();
     }
 }
 
