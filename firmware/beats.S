@@ -36,9 +36,8 @@ beat:
     lds  r23, TCNT1H
     sub  r24, r22
     sbc  r25, r23
+    adiw r24, 16
     brmi 7f
-    subi r24, 13
-    brcs 8f
 1:  subi r24, 3
     brcc 1b
     cpi  r24, 0xFE
@@ -167,11 +166,8 @@ again:
     lds  r25, player + PLAYER_MODE
     cpi  r25, MODE_PHASES
     breq phases
-    call_c player_play              // anything but a usual beat; 0: the timer is stopped
-    tst  r24
-    breq 1f
-    rjmp finish
-1:  rjmp restore
+    call_c player_play              // anything but a usual beat
+    rjmp called
 
 phases:
     lds  r18, beat
@@ -218,7 +214,8 @@ not_late:
     rjmp prepare
 
 slow_tick:
-    call_c player_tick              // 0: the timer is stopped; else beats, or 0xFF: it is set
+    call_c player_tick
+called:                             // r24: 0, the timer is stopped; 0xFF: it is set; or beats
     tst  r24
     breq jump_restore
     mov  r20, r24
@@ -311,8 +308,9 @@ prepared:
     adc  r25, r19
     sts  player + PLAYER_DUE, r24
     sts  player + PLAYER_DUE + 1, r25
-    subi r24, lo8(EARLY_CYCLES)
-    sbci r25, hi8(EARLY_CYCLES)
+    lds  r22, player + PLAYER_EARLY
+    sub  r24, r22
+    sbci r25, 0
     sts  OCR1AH, r25
     sts  OCR1AL, r24
 poll:
@@ -445,13 +443,9 @@ late:
     cbi  _SFR_IO_ADDR(GPIOR0), 7
     lds  r22, player + PLAYER_LATE
     lds  r23, player + PLAYER_LATE + 1
-    lds  r24, player + PLAYER_BEAT_CYCLES
-    lds  r25, player + PLAYER_BEAT_CYCLES + 1
-    tst  r20
-    brne 1f
     lds  r24, player + PLAYER_CYCLES
     lds  r25, player + PLAYER_CYCLES + 1
-1:  lsr  r25
+    lsr  r25
     ror  r24
     lsr  r25
     ror  r24

@@ -1,6 +1,8 @@
 /* Rules: card.h. */
 #include "card.h"
 
+#include "beat.h"
+
 #define STROBE_NOPS() __builtin_avr_delay_cycles(6)
 
 struct card card; /* and tracks: beats.S */
@@ -9,8 +11,7 @@ static const uint8_t zero_bytes[] = {0x1B, 0x5B, 0x9B};
 
 void card_write_data(uint8_t data)
 {
-    PORT_LOW = DATA_LOW(data);
-    PORT_HIGH = (uint8_t)(DATA_HIGH(data) | card.control_high);
+    write_pair(&PORT_LOW, DATA_LOW(data), &PORT_HIGH, DATA_HIGH(data) | card.control_high);
 }
 
 void card_shadow_control(uint8_t control)
@@ -24,8 +25,8 @@ void card_shadow_control(uint8_t control)
 
 void card_write_control(void)
 {
-    PORT_HIGH = (uint8_t)((PORT_HIGH & DATA_HIGH_MASK) | card.control_high);
-    PORT_EXTRA = (uint8_t)(CONTROL_EXTRA(card.control) | EXTRA_REST);
+    write_pair(&PORT_HIGH, (PORT_HIGH & DATA_HIGH_MASK) | card.control_high,
+               &PORT_EXTRA, CONTROL_EXTRA(card.control) | EXTRA_REST);
 }
 
 static void strobe(void)
@@ -37,8 +38,7 @@ static void strobe(void)
 
 static void latch(uint8_t low, uint8_t high)
 {
-    PORT_LOW = low;
-    PORT_HIGH = high | card.control_high;
+    write_pair(&PORT_LOW, low, &PORT_HIGH, high | card.control_high);
     strobe();
 }
 

@@ -49,6 +49,7 @@
 #define PLAYER_SHORTEST 36
 #define PLAYER_PATIENCE 38
 #define PLAYER_LATE_TICKS 39
+#define PLAYER_EARLY 41
 
 /* player.mode: what the next interrupt is */
 #define MODE_PHASES 0
@@ -73,12 +74,14 @@
 #define BEAT_SIZE 27
 
 /* From the compare match to the deadline: entry, the longest lock, what is done before the wait. */
-#define EARLY_CYCLES 66
+#define EARLY_CYCLES 52
+#define EARLY_SLOW_CYCLES 170 /* where C does it */
 /* No compare match is set closer than this: it might pass while it is being set. */
 #define NEAR_CYCLES 8
 /* After so many beats without a turn of the main loop it gets one. */
 #define PATIENCE 64
 #define GIVEN_CYCLES 240
-#define FAR_HIGH 0xC0 /* waits of FAR_HIGH << 8 cycles and more go in hops */
+/* Waits of FAR_HIGH << 8 cycles and more go in hops: differences of times have a sign. */
+#define FAR_HIGH 0x70
 
 #endif

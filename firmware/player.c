@@ -10,13 +10,15 @@
 #include "run.h"
 #include "throttle.h"
 
-#define FAR_CYCLES 0xC000U
+#define FAR_CYCLES 0x7000U
 _Static_assert(FAR_CYCLES >> 8 == FAR_HIGH, "one limit for C and assembler");
-#define HOP_CYCLES 0x8000U
-#define HOP_SHIFT 15
+#define HOP_CYCLES 0x4000U
+#define HOP_SHIFT 14
 /* What must be chosen and made out outside the interrupt is at least so far ahead. */
 #define SOON_CYCLES 800
 #define MOST_BEATS 8
+/* From the end of the wait to the first write it takes beats.S so much longer than C. */
+#define LAG_CYCLES 1
 
 #define AT(type, field, offset) \
     _Static_assert(offsetof(struct type, field) == (offset), #type "." #field)
@@ -63,6 +65,7 @@ AT(beat, mind, BEAT_MIND);
 AT(beat, pins, BEAT_PINS);
 
 AT(player, patience, PLAYER_PATIENCE);
+AT(player, early, PLAYER_EARLY);
 AT(player, late_ticks, PLAYER_LATE_TICKS);
 _Static_assert(sizeof(struct beat) == BEAT_SIZE, "struct beat");
 _Static_assert(sizeof(struct tracks) == TRACKS_SIZE, "struct tracks");
@@ -92,6 +95,17 @@ static bool is_phase_card(void)
 
 /* ---- when */
 
+static void set_mode(uint8_t mode)
+{
+    player.mode = mode;
+    player.early = mode == MODE_PHASES ? EARLY_CYCLES : EARLY_SLOW_CYCLES;
+}
+
+static void set_compare(void)
+{
+    OCR1A = player.due - player.early;
+}
+
 /* The next interrupt, so long after the last deadline. */
 static void arm(uint8_t mode, uint32_t wait)
 {
@@ -105,8 +119,8 @@ static void arm(uint8_t mode, uint32_t wait)
         player.due += HOP_CYCLES;
         mode = MODE_HOP;
     }
-    player.mode = mode;
-    OCR1A = player.due - EARLY_CYCLES;
+    set_mode(mode);
+    set_compare();
 }
 
 /* A write came late: if it was much, it is counted, and all that follows moves. */
@@ -190,7 +204,9 @@ static void divide(uint16_t cycles)
 /* The tick in hand has this interval. */
 static void take_tick(uint32_t cycles)
 {
-    if (cycles >= FAR_CYCLES)
+    if (cycles == player.cycles && player.beats && player.ramps == RAMP_NONE && !player.add_q8)
+        ; /* as the one before */
+    else if (cycles >= FAR_CYCLES)
         divide_far(cycles);
     else
         divide((uint16_t)cycles);
@@ -348,6 +364,8 @@ static bool begin_block(void)
     player.shortest = 0xFFFF;
     if (block->minors && card.facts.beat_cycles && card.facts.beat_cycles < 0x8000)
         player.shortest = (uint16_t)(2 * card.facts.beat_cycles);
+    if (block->ticks)
+        run_set_up(block);
     uint32_t exit = player.from_rest ? 0 : block->exit_cycles;
     player.from_rest = false;
     throttle_enter(block, exit);
@@ -368,8 +386,6 @@ static bool next_piece(void)
     player.add_q8 = piece->add_q8;
     player.piece_is_last = piece->last;
     piece_tail = (uint8_t)(tail + 1) & (PIECES - 1);
-    if (!player.done)
-        run_set_up(player.block);
     run_show_ramp();
     return true;
 }
@@ -413,7 +429,8 @@ static void tick_done(void)
     player.interval_q8 += (uint32_t)player.add_q8;
 }
 
-/* ---- called by beats.S; the timer is stopped where 0 is given back */
+/* ---- called by beats.S, which is given: 0, the timer is stopped; TIMER_SET; or the beats of a tick
+ *      for which beats.S makes out the next one */
 
 #define TIMER_SET 0xFF
 
@@ -421,30 +438,44 @@ static uint8_t or_stop(bool goes_on)
 {
     if (!goes_on)
         TIMSK1 = 0;
-    return goes_on;
+    return goes_on ? TIMER_SET : 0;
 }
 
 /* The tick is taken: its beats for beats.S to go on, or TIMER_SET. */
 static uint8_t hand_over(void)
 {
-    if (player.ramps != RAMP_SLOW && !player.block->outputs_due) {
-        player.mode = MODE_PHASES;
-        return player.beats;
+    if (player.ramps == RAMP_SLOW) {
+        go_to_beat(true);
+        return TIMER_SET;
     }
-    go_to_beat(true);
-    return TIMER_SET;
+    if (player.block->outputs_due)
+        make_outputs_of(player.block);
+    set_mode(beat.control_due ? MODE_SLOW : MODE_PHASES);
+    return player.beats;
 }
 
-/* A tick of a phase card was played and counted, and the next is no usual one. */
-uint8_t player_tick(void)
+static uint8_t take_next(void)
 {
     uint32_t cycles;
-    player.interval_q8 += (uint32_t)player.add_q8;
     player.last_cycles = player.cycles;
     if (!find_tick(&cycles))
         return or_stop(false);
     take_tick(cycles);
     return hand_over();
+}
+
+/* A tick of a phase card was played and counted, and the next is no usual one. */
+uint8_t player_tick(void)
+{
+    if (player.ramps != RAMP_NONE)
+        player.interval_q8 += (uint32_t)player.add_q8;
+    if (WANT == _BV(IS_THROTTLED) && player.done != player.piece_end
+        && throttle_goes_on(player.interval_q8 >> 8, player.cycles)) {
+        player.last_cycles = player.cycles;
+        player.chosen_at = player.done;
+        return player.beats;
+    }
+    return take_next();
 }
 
 /* The same, but the next interval is chosen: one of a ramp. */
@@ -455,55 +486,78 @@ uint8_t player_tick_chosen(void)
     return hand_over();
 }
 
-static void write_control(void)
+/* Outputs change, at the cycle. */
+static uint16_t write_control(void)
 {
-    PORT_HIGH = (uint8_t)((PORT_HIGH & DATA_HIGH_MASK) | beat.control_high);
-    PORT_EXTRA = beat.control_extra;
+    uint8_t high = (uint8_t)((PORT_HIGH & DATA_HIGH_MASK) | beat.control_high);
     beat.control_due = false;
+    return write_control_at(player.due + LAG_CYCLES, high, beat.control_extra);
 }
 
-static void write_movement(uint8_t n)
+static void strobe_and_read(uint8_t n)
 {
-    PORT_LOW = beat.entry[n].low;
-    PORT_HIGH = beat.entry[n].high;
     PORT_HIGH &= (uint8_t)~_BV(STROBE_BIT);
     __builtin_avr_delay_cycles(5);
     PORT_HIGH |= _BV(STROBE_BIT);
     beat.pins[n] = PIN_STATUS;
 }
 
-/* A beat that beats.S leaves alone: of a dwell, with outputs, of a long interval. */
-static bool play_slowly(void)
+/* The movements of a beat that beats.S leaves alone; how late the first write was. */
+static uint16_t write_movements(void)
 {
-    uint8_t count = beat_count();
-    uint16_t late = wait_for(player.due);
-    if (beat.control_due)
-        write_control();
-    for (uint8_t n = 0; n < count; n++)
-        write_movement(n);
+    const struct entry *entry = beat.entry;
+    uint8_t count = beat_count(), n = 0;
+    uint16_t late;
+    if (beat.control_due) {
+        late = write_control();
+    } else if (count) {
+        late = write_data_at(player.due + LAG_CYCLES, entry->low, entry->high);
+        strobe_and_read(0);
+        n = 1;
+    } else {
+        late = wait_for(player.due);
+    }
+    for (; n < count; n++) {
+        write_pair(&PORT_LOW, entry[n].low, &PORT_HIGH, entry[n].high);
+        strobe_and_read(n);
+    }
     if (!count)
         beat.pins[0] = PIN_STATUS;
+    return late;
+}
+
+/* A beat that beats.S leaves alone: of a dwell, with outputs, of a long interval. */
+static uint8_t play_slowly(void)
+{
+    uint16_t late = write_movements();
     inputs_examine_beat();
     note_late(late, player.cycles);
     if (player.beats_left) {
         player.moved |= beat.mask;
-        go_to_beat(false);
-        return true;
+        if (player.cycles >= FAR_CYCLES) {
+            go_to_beat(false);
+            return TIMER_SET;
+        }
+        set_mode(MODE_PHASES);
+        return player.beats_left;
     }
     tick_done();
-    return go_on();
+    return take_next();
 }
 
 /* The clock lines leave their rest. */
 static void play_rise(void)
 {
-    struct entry entry = beat.entry[0];
-    uint16_t late = wait_for(player.due);
-    if (beat.control_due)
-        write_control();
-    if (entry.bit) {
-        PORT_LOW = entry.low;
-        PORT_HIGH = entry.high;
+    const struct entry *entry = beat.entry;
+    uint16_t late;
+    if (beat.control_due) {
+        late = write_control();
+        if (entry->bit)
+            write_pair(&PORT_LOW, entry->low, &PORT_HIGH, entry->high);
+    } else if (entry->bit) {
+        late = write_data_at(player.due + LAG_CYCLES, entry->low, entry->high);
+    } else {
+        late = wait_for(player.due);
     }
     beat.pins[0] = PIN_STATUS;
     inputs_examine_beat();
@@ -519,11 +573,8 @@ static void play_rise(void)
 /* They go back to it; then directions may change, and the next interval is chosen. */
 static bool play_fall(void)
 {
-    uint8_t low = DATA_LOW(card.data);
     uint8_t high = (uint8_t)(DATA_HIGH(card.data) | card.control_high);
-    uint16_t late = wait_for(player.due);
-    PORT_LOW = low;
-    PORT_HIGH = high;
+    uint16_t late = write_data_at(player.due + LAG_CYCLES, DATA_LOW(card.data), high);
     note_late(late, player.cycles >> 1);
     return go_on();
 }
@@ -563,9 +614,9 @@ static bool play_hop(void)
         player.due += HOP_CYCLES;
     } else {
         player.due += hop.rest;
-        player.mode = player.after_hops;
+        set_mode(player.after_hops);
     }
-    OCR1A = player.due - EARLY_CYCLES;
+    set_compare();
     return true;
 }
 
@@ -576,11 +627,11 @@ uint8_t player_play(void)
         return or_stop(play_hop());
     case MODE_RISE:
         play_rise();
-        return true;
+        return TIMER_SET;
     case MODE_FALL:
         return or_stop(play_fall());
     default:
-        return or_stop(play_slowly());
+        return play_slowly();
     }
 }
 
@@ -620,7 +671,7 @@ void player_continue(void)
         sei();
         if (wait < gone)
             note_late(gone - wait, player.cycles);
-        OCR1A = player.due - EARLY_CYCLES;
+        set_compare();
     }
     set_timer();
 }

@@ -47,6 +47,7 @@ struct player {
     uint16_t shortest;    /* interval from which on it is divided; 0xFFFF: never */
     uint8_t patience;     /* beats until the main loop gets a turn in any case */
     uint16_t late_ticks;
+    uint8_t early;        /* by which the compare match comes before the deadline */
 
     uint8_t after_hops;   /* mode of the interrupt that is waited for */
     bool piece_is_last;

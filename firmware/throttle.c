@@ -11,6 +11,7 @@ struct throttle throttle;
 
 static void begin(uint8_t state)
 {
+    throttle.is_steady = false;
     throttle.state = state;
     throttle.elapsed = throttle.mark = 0;
     throttle.turn++;
@@ -271,6 +272,8 @@ bool throttle_choose(uint32_t *cycles, bool again)
     if (throttle.state != state)
         run_show_ramp();
     unwish(IS_LIMITED);
+    throttle.is_steady = throttle.state != OPEN && *cycles == throttle.cycles;
+    throttle.steady_until = throttle.mark ? throttle.mark + LATENCY_CYCLES : SLICE_CYCLES;
     if (throttle.state == OPEN)
         unwish(IS_THROTTLED);
     else
@@ -300,6 +303,7 @@ void throttle_enter(const struct block *block, uint32_t exit)
         wish(MAY_RUN_DRY);
     if (block->override_q8 > throttle.override_q8)
         wish(IS_LIMITED);
+    throttle.is_steady = false;
     throttle.turn++;
     throttle.jump_of_last = throttle.jump_cycles;
     if (!block->moving) {

@@ -28,6 +28,8 @@ enum throttle_state { OPEN, CLOSING, HELD, OPENING, LIMITED };
 struct throttle {
     volatile uint8_t state;
     uint8_t turn;
+    bool is_steady;     /* nothing changes before `elapsed` reaches `steady_until` */
+    uint32_t steady_until;
     bool rate_owed;     /* rate_q8 is RATE / rate_of, not worked out yet */
     uint32_t rate_of;
     uint32_t rate_q8;
@@ -50,6 +52,19 @@ struct throttle {
 };
 
 extern struct throttle throttle;
+
+/* Between two moves: the tick that was played took what the throttle allows, the plan is no slower,
+ * and nothing else is wished. Then the next one takes the same. */
+static inline bool throttle_goes_on(uint32_t plan, uint32_t played)
+{
+    if (!throttle.is_steady || played != throttle.cycles || plan >= played)
+        return false;
+    uint32_t elapsed = throttle.elapsed + played;
+    if (elapsed >= throttle.steady_until)
+        return false;
+    throttle.elapsed = elapsed;
+    return true;
+}
 
 /* The interval to the next tick; false: none, see player.halt. `again`: chosen anew. */
 bool throttle_choose(uint32_t *cycles, bool again);

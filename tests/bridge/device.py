@@ -68,6 +68,8 @@ class Device:
         self.hello: Hello | None = None
         self.frames: list[Frame] = []
         self._decoder = Decoder()
+        #: Cycle from which on a test looks at the writes.
+        self.mark = 0
         self._sequence = 0
         self._carried = Carried()
         self.avr.run(20 * MS)
