@@ -1,8 +1,8 @@
 r"""The driver whose steps are timed by a microcontroller at the end of a serial line.
 
-    push --> Account, Horizon --> record --> Session ---line---> ring --> steps
-    brake, stop ----------------- urgent bytes, from any thread ---> within a tick
-    poll --> PING, STATUS? -----> Session <--line--- STATUS --> Account --> Report
+    push --> Outbox --> record --> Session ---line---> ring --> steps
+    brake, stop ------- urgent bytes, from any thread ---> within a tick
+    poll --> PING, STATUS? ------> Session <--line--- STATUS --> Picture --> Report
 
 Rule 1: as ``MotorCore``: a run begins in ``poll``, and a report knows of everything before it.
 Rule 2: blocks that were pushed before it was known that the queue had been dropped are dropped.
@@ -14,21 +14,23 @@ Rule 4: a line that is lost, or a device that was reset, is told of once, as a P
         something moves.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from functools import partial
 from typing import Final
 
 from fraese.blocks import CYCLES_PER_S, Q8, Block
 from fraese.errors import PortError, StateError
 from fraese.motor.blockqueue import require_sound
 from fraese.motor.bridge import constants as c
-from fraese.motor.bridge.account import Account, Counts
-from fraese.motor.bridge.cards import CardFacts
-from fraese.motor.bridge.codec import Hello, Status
+from fraese.motor.bridge.codec import Status
+from fraese.motor.bridge.connection import MODES, Connection
 from fraese.motor.bridge.fromcard import card_facts
 from fraese.motor.bridge.line import OpenLine
 from fraese.motor.bridge.outbox import Outbox
-from fraese.motor.bridge.session import PATIENCE_S, Session
+from fraese.motor.bridge.picture import Picture
+from fraese.motor.bridge.greeting import PATIENCE_S
+from fraese.motor.bridge.session import Session
 from fraese.motor.seams import Card, Clock, Ended, IdleLevel, Report, SwitchMode
 from fraese.motor.switches import SwitchInput
 
@@ -36,13 +38,11 @@ from fraese.motor.switches import SwitchInput
 _ANSWER_S: Final = 0.004
 #: Between two reports while a run is watched.
 _LOOK_S: Final = 0.01
-#: Between two attempts to find a lost device again, s.
+#: Between two attempts to find a lost device again, and how long one lasts.
 _REVIVE_S: Final = 1.0
-#: What a block costs in the ring, as an estimate for ``Report.free``.
-_TYPICAL_BYTES: Final = 24
+_MOST_OVERRIDE_Q8: Final = 0xFFFF
 _NS_PER_S: Final = 1_000_000_000
-_MODES: Final = {SwitchMode.STOP: b"\x00", SwitchMode.IGNORE: b"\x01"}
-_LEVELS: Final = {IdleLevel.OFF: b"\x00", IdleLevel.HOLD: b"\x01"}
+_LEVELS: Final[Mapping[IdleLevel, bytes]] = {IdleLevel.OFF: b"\x00", IdleLevel.HOLD: b"\x01"}
 
 
 class BridgeDriver:
@@ -59,7 +59,7 @@ class BridgeDriver:
         silence_s: so long may the host call nothing while motors run or have current.
         name: of the line, for sentences.
         baud: its rate, likewise.
-        patience_s: so long is a greeting repeated.
+        patience_s: so long is the first greeting repeated.
 
     Raises:
         PortError: if the device is not there, or not one.
@@ -79,58 +79,26 @@ class BridgeDriver:
         baud: int = c.DEFAULT_BAUD,
         patience_s: float = PATIENCE_S,
     ) -> None:
-        self._open_line = open_line
-        self._card = card
-        self._clock = clock
-        self._facts: CardFacts = card_facts(
+        facts = card_facts(
             card,
             switch,
             settle_cycles=round(settle_s * CYCLES_PER_S),
             safe_outputs=safe_outputs,
             silence_ms=round(silence_s * 1000),
         )
-        self._capacity = capacity
+        self._connection = Connection(open_line, clock, facts, name, baud, patience_s)
+        self._card = card
+        self._clock = clock
         self._name = name
-        self._baud = baud
-        self._patience_s = patience_s
+        self._capacity = capacity
         self._mode = SwitchMode.STOP
         self._override_q8 = self._override_sent_q8 = Q8
-        self._base_phases = card.phases()
-        self._account = Account(card.motors)
-        self._was_torn = False
         self._stopping = False
-        self._late_ticks = self._dry_queues = 0
-        self._status: Status
-        self._status_ns = 0
         self._revive_at_ns = 0
         self._closed = False
+        self._picture = Picture(card, has_table=bool(facts.table))
         self._session: Session | None = None
         self._connect()
-
-    # --- facts -----------------------------------------------------------------------------------
-
-    @property
-    def hello(self) -> Hello:
-        """What the device says of itself.
-
-        Raises:
-            PortError: if it is lost.
-        """
-        return self._live().hello
-
-    @property
-    def session(self) -> Session:
-        """The connection, for who tests it.
-
-        Raises:
-            PortError: if it is lost.
-        """
-        return self._live()
-
-    @property
-    def status(self) -> Status:
-        """The device's last word."""
-        return self._status
 
     # --- the seam --------------------------------------------------------------------------------
 
@@ -141,12 +109,13 @@ class BridgeDriver:
             ValueError: if it cannot be played as it says, or never fits the device.
             PortError: if the device is lost.
         """
-        session = self._live()
+        session = self.session
         require_sound(block, self._card.motors)
-        if self._account.queued >= self._capacity or self._outbox.is_full:
+        account = self._picture.account
+        if account.queued >= self._capacity or self._outbox.is_full:
             return False
-        data = self._outbox.record(block, self._account.pushed + 1)
-        self._account.push(block)
+        data = self._outbox.record(block, account.pushed + 1)
+        account.push(block)
         session.link.stream(data)
         return True
 
@@ -159,32 +128,33 @@ class BridgeDriver:
         until_ns = self._clock.now_ns() + round(budget_s * _NS_PER_S)
         if self._session is None:
             self._revive()
+        picture = self._picture
         with self._guarded() as session:
             self._look(session)
             self._see_to_start(session)
-            while self._runs and (left_s := self._left_s(until_ns) - _ANSWER_S) > 0:
-                self._pump_for(session, min(left_s, _LOOK_S))
+            while picture.runs and (left_s := self._left_s(until_ns) - _ANSWER_S) > 0:
+                self._watch(session, min(left_s, _LOOK_S))
                 self._look(session)
                 self._see_to_start(session)
-        return self._report()
+        return picture.report(self._capacity, self._outbox.room_blocks)
 
     def brake(self) -> None:
         """Close the throttle; the queue stays. From any thread."""
-        self._wish(c.URGENT_BRAKE)
+        self._shout(c.URGENT_BRAKE)
 
     def stop(self) -> None:
         """Finish the tick in hand, drop the rest. From any thread."""
         self._stopping = True
-        self._wish(c.URGENT_STOP)
+        self._shout(c.URGENT_STOP)
 
     def set_override(self, factor: float) -> None:
         """Play what was planned with a higher feed override no faster. From any thread."""
-        self._override_q8 = round(factor * Q8)
+        self._override_q8 = min(_MOST_OVERRIDE_Q8, round(factor * Q8))
 
     def resume(self) -> None:
         """Open the throttle again; not while braking for a watch that ends the run."""
         with self._guarded() as session:
-            self._settle_wishes(session)
+            self._confirm_shouts(session)
             session.command(c.KIND_RESUME)
 
     def flush(self) -> None:
@@ -196,8 +166,7 @@ class BridgeDriver:
         """
         with self._guarded() as session:
             self._require_standstill(session, "the queue can only be dropped")
-            self._drop(session)
-            self._ended = Ended.FLUSH
+            self._drop(session, Ended.FLUSH)
 
     def idle(self, level: IdleLevel) -> None:
         """Set the standstill current.
@@ -219,7 +188,7 @@ class BridgeDriver:
         """Choose what an end switch does to blocks that do not watch it."""
         self._mode = mode
         with self._guarded() as session:
-            session.command(c.KIND_MODE, _MODES[mode])
+            session.command(c.KIND_MODE, MODES[mode])
 
     def close(self) -> None:
         """Motors and outputs off, line given back. Safe to call twice.
@@ -232,63 +201,72 @@ class BridgeDriver:
         if session is not None:
             session.close()
 
+    # --- for who wants to know more --------------------------------------------------------------
+
+    @property
+    def session(self) -> Session:
+        """The connection.
+
+        Raises:
+            PortError: if there is none.
+        """
+        if self._closed:
+            raise PortError("The port is closed.")
+        if self._session is None:
+            raise PortError(f"The bridge on {self._name} is lost.")
+        return self._session
+
+    @property
+    def status(self) -> Status:
+        """The device's last word."""
+        return self._picture.status
+
     # --- a run -----------------------------------------------------------------------------------
-
-    @property
-    def _stands(self) -> bool:
-        return not self._status.state & c.State.MOVING
-
-    @property
-    def _runs(self) -> bool:
-        """Steps are being made, or will be as soon as the device is told to."""
-        if self._status.state & c.State.HELD:
-            return False
-        return self._account.queued > 0 or not self._stands
 
     def _see_to_start(self, session: Session) -> None:
         """Play what waits, if nothing plays; the ring is filled first, as far as it goes."""
-        if not self._stands or not self._runs or self._stopping:
+        picture, link = self._picture, session.link
+        if not picture.stands or not picture.runs or self._stopping:
             return
-        session.pump_until(lambda: session.link.is_quiet)
-        epoch = session.link.epoch
-        ticket = session.link.command(c.KIND_START, bytes((epoch,)))
-        session.pump_until(lambda: session.link.done >= ticket)
+        session.pump_until(lambda: link.is_quiet)
+        # Refused only if the queue was dropped meanwhile, which the look shows.
+        ticket = link.command(c.KIND_START, bytes((link.epoch,)))
+        session.pump_until(lambda: link.done >= ticket)
         self._look(session)
 
     def _look(self, session: Session) -> None:
         """A fresh STATUS, and what must follow from it."""
         if self._override_q8 != self._override_sent_q8:
-            self._send_override(session)
+            self._override_sent_q8 = self._override_q8
+            session.command(c.KIND_OVERRIDE, self._override_sent_q8.to_bytes(2, "little"))
         session.ask()
-        self._settle_wishes(session)
-        if self._stopping and self._stands:
-            self._end_stop(session)
+        self._confirm_shouts(session)
+        if self._stopping and self._picture.stands:
+            self._stopping = False
+            if self._picture.account.queued:
+                # It was still on its way, or here, when the device stopped.
+                self._drop(session, Ended.STOP)
 
-    def _settle_wishes(self, session: Session) -> None:
+    def _confirm_shouts(self, session: Session) -> None:
         """Wait until the device has counted what was shouted."""
         link = session.link
         while link.wants(c.URGENT_BRAKE) or link.wants(c.URGENT_STOP):
             link.ask()
             session.pump(_ANSWER_S)
 
-    def _end_stop(self, session: Session) -> None:
-        """The device has stopped. What was still on its way, or here, must not be played."""
-        self._stopping = False
-        if self._account.queued:
-            self._drop(session)
-            self._ended = Ended.STOP
-
-    def _drop(self, session: Session) -> None:
+    def _drop(self, session: Session, ended: Ended) -> None:
         """Drop the queue of a device that stands, and what never got there."""
         session.link.drop_stream()
         session.command(c.KIND_FLUSH)
         session.ask()
-        self._account.settle(self._status)
+        self._picture.account.settle(self._picture.status)
         self._outbox.restart()
+        self._picture.ended = ended
 
-    def _pump_for(self, session: Session, seconds: float) -> None:
+    def _watch(self, session: Session, seconds: float) -> None:
+        """Feed the device and listen, until the time is up or the motors stand."""
         until_ns = self._clock.now_ns() + round(seconds * _NS_PER_S)
-        while (left_s := self._left_s(until_ns)) > 0 and self._runs:
+        while self._picture.runs and (left_s := self._left_s(until_ns)) > 0:
             session.pump(left_s)
 
     def _left_s(self, until_ns: int) -> float:
@@ -296,165 +274,65 @@ class BridgeDriver:
 
     def _require_standstill(self, session: Session, what: str) -> None:
         self._look(session)
-        if not self._stands:
+        if not self._picture.stands:
             raise StateError(f"The motors run: {what} at standstill; brake or stop first.")
 
-    def _wish(self, byte: int) -> None:
+    def _shout(self, byte: int) -> None:
         session = self._session
         if session is not None:
             # If the line is lost, the next poll says so.
             with suppress(PortError):
-                session.wish(byte)
+                session.shout(byte)
 
-    def _send_override(self, session: Session) -> None:
-        self._override_sent_q8 = self._override_q8
-        session.command(c.KIND_OVERRIDE, self._override_sent_q8.to_bytes(2, "little"))
-
-    # --- what the device says --------------------------------------------------------------------
-
-    def _hear(self, status: Status) -> None:
+    def _hear(self, session: Session, status: Status) -> None:
         """Every STATUS comes by here."""
-        session = self._session
-        assert session is not None
-        before, self._status = self._status, status
-        self._status_ns = self._clock.now_ns()
-        self._late_ticks += (status.late_ticks - before.late_ticks) & 0xFFFF
-        self._dry_queues += (status.dry_queues - before.dry_queues) & 0xFF
         dropped = status.ack.epoch != session.link.epoch
         if dropped:
             session.link.epoch = status.ack.epoch
             session.link.drop_stream()
             self._outbox.restart()
-        self._account.see(status, dropped=dropped)
-        if status.ended != before.ended:
-            self._ended = c.ended_of(status.ended)
-        if status.state & c.State.MOVING:
-            self._was_torn = False
-        elif not self._account.queued:
+        self._picture.hear(status, self._clock.now_ns(), dropped=dropped)
+        if self._picture.stands and not self._picture.account.queued:
             self._outbox.forget_horizon()
 
-    def _report(self) -> Report:
-        account, status = self._account, self._status
-        every = frozenset(range(self._card.motors))
-        queued = account.queued
-        moving = not self._stands and status.interval_cycles > 0
-        interval_ns = status.interval_cycles * _NS_PER_S // CYCLES_PER_S
-        return Report(
-            position_steps=account.counts.position,
-            travelled_steps=account.counts.travelled,
-            playing=account.playing,
-            tag=account.tag,
-            tick=account.tick,
-            free=max(0, min(self._capacity - queued, self._outbox.room // _TYPICAL_BYTES)),
-            queued=queued,
-            due_ns=self._status_ns + interval_ns if moving else 0,
-            rate_hz=CYCLES_PER_S / status.interval_cycles if moving and account.moves else 0.0,
-            running=self._runs,
-            held=bool(status.state & c.State.HELD),
-            energised=bool(status.state & c.State.ENERGISED),
-            inputs=status.inputs,
-            switch_closed=bool(status.state & c.State.SWITCH),
-            candidates=account.candidates,
-            latched_steps=account.latched_steps,
-            ended=self._ended,
-            torn=every if self._was_torn else account.torn,
-            late_ticks=self._late_ticks,
-            dry_queues=self._dry_queues,
-            phases=self._phases(),
-        )
-
-    def _phases(self) -> tuple[int, ...]:
-        if self._facts.table:
-            return self._status.phases[: self._card.motors]
-        counts = self._account.counts.position
-        return tuple(a + b for a, b in zip(self._base_phases, counts, strict=True))
-
     # --- lives -----------------------------------------------------------------------------------
-
-    def _live(self) -> Session:
-        if self._closed:
-            raise PortError("The port is closed.")
-        if self._session is None:
-            raise PortError(f"The bridge on {self._name} is lost.")
-        return self._session
 
     @contextmanager
     def _guarded(self) -> Iterator[Session]:
         """Whatever goes wrong with the line within this ends the session."""
-        session = self._live()
+        session = self.session
         try:
             yield session
         except PortError as error:
-            raise self._lost(session, error) from error
-
-    def _lost(self, session: Session, error: PortError) -> PortError:
-        session.hang_up()
-        self._session = None
-        return PortError(f"{str(error).rstrip('.')}; {self._whereabouts()}")
-
-    def _whereabouts(self) -> str:
-        bounds = self._account.bounds()
-        if not self._runs or all(low == high for low, high in bounds):
-            return "the motors stood; reference them before relying on their position."
-        ranges = ", ".join(
-            f"motor {motor + 1} between {low} and {high} steps" if low != high else
-            f"motor {motor + 1} at {low}"
-            for motor, (low, high) in enumerate(bounds)
-        )
-        return f"{ranges} since the start: the bridge brakes and switches off by itself."
+            session.hang_up()
+            self._session = None
+            where = self._picture.whereabouts()
+            raise PortError(f"{str(error).rstrip('.')}; {where}.") from error
 
     def _revive(self) -> None:
         """Find the device again; counts go on, but nobody knows what they are worth."""
-        self._live_or_lost()
+        if self._closed:
+            raise PortError("The port is closed.")
         now_ns = self._clock.now_ns()
         if now_ns < self._revive_at_ns:
             raise PortError(f"The bridge on {self._name} is lost; it is tried again in a moment.")
-        self._revive_at_ns = now_ns + round(_REVIVE_S * _NS_PER_S)
-        self._card.set_phases(self._phases())
-        self._base_phases = self._card.phases()
-        last = self._account
-        self._account = Account(self._card.motors, last.pushed, last.counts)
-        self._was_torn = True
-        self._connect()
-
-    def _live_or_lost(self) -> None:
-        if self._closed:
-            raise PortError("The port is closed.")
+        try:
+            self._picture.lose()
+            self._connect()
+        finally:
+            self._revive_at_ns = self._clock.now_ns() + round(_REVIVE_S * _NS_PER_S)
 
     def _connect(self) -> None:
-        """Greet the device and tell it everything.
+        """A session, with all that it needs here.
 
         Raises:
-            PortError: if it is not there, or cannot play this card.
+            PortError: if the device is not there, or cannot play this card.
         """
-        session = Session(self._open_line(), self._clock, self._name, self._baud, self._patience_s)
-        self._require_able(session)
-        self._session = session
+        session = self._connection.open(self._card.phases(), self._mode, self._override_q8)
+        self._override_sent_q8 = self._override_q8
         self._outbox = Outbox(session.link, session.hello.ring)
-        try:
-            session.upload(self._facts)
-            phases = [phase & 0xFF for phase in self._card.phases()] + [0] * c.MOTORS_MAX
-            session.command(c.KIND_PHASES, bytes(phases[: c.MOTORS_MAX]))
-            session.command(c.KIND_MODE, _MODES[self._mode])
-            self._send_override(session)
-            self._status = session.ask()
-            self._ended = c.ended_of(self._status.ended)
-            session.listener = self._hear
-            session.ask()
-        except PortError:
-            session.hang_up()
-            self._session = None
-            raise
+        self._picture.begin(session.ask())
+        session.listener = partial(self._hear, session)
+        session.ask()
         self._stopping = False
-
-    def _require_able(self, session: Session) -> None:
-        hello, facts = session.hello, self._facts
-        able = hello.phase_cards if facts.kind == c.CARD_PHASES else hello.clock_cards
-        fits = facts.motors <= hello.motors and len(facts.table) <= hello.table_max
-        if not able or not fits:
-            session.hang_up()
-            raise PortError(
-                f"The bridge on {self._name} ({hello.board}, firmware"
-                f" {hello.firmware[0]}.{hello.firmware[1]}) cannot play this card: it drives"
-                f" {hello.motors} motors with tables of {hello.table_max} entries."
-            )
+        self._session = session

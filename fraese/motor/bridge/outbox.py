@@ -18,6 +18,8 @@ _UNKNOWN: Final = Carried(-1, -1, -1)
 
 #: What is kept here when the device's ring is full, bytes.
 BACKLOG: Final = 1024
+#: What a block of a contour takes.
+_USUAL_BYTES: Final = 24
 
 
 class Outbox:
@@ -35,9 +37,10 @@ class Outbox:
         self._carried = _UNKNOWN
 
     @property
-    def room(self) -> int:
-        """Bytes that are taken, here and there."""
-        return max(0, self._link.credit) + BACKLOG - self._link.backlog
+    def room_blocks(self) -> int:
+        """How many usual blocks are taken, here and there; an estimate."""
+        room = max(0, self._link.credit) + BACKLOG - self._link.backlog
+        return max(0, room // _USUAL_BYTES)
 
     @property
     def is_full(self) -> bool:

@@ -22,6 +22,8 @@ from fraese.motor.bridge.constants import (
     KIND_CLOSE,
     KIND_PING,
     REFUSALS,
+    URGENT_STOP,
+    State,
 )
 from fraese.motor.bridge.greeting import PATIENCE_S, Greeting, new_session
 from fraese.motor.bridge.line import Line
@@ -134,7 +136,7 @@ class Session:
             self.pump(_SLICE_S)
         return link.status
 
-    def wish(self, byte: int) -> None:
+    def shout(self, byte: int) -> None:
         """Say brake or stop. From any thread.
 
         Raises:
@@ -154,20 +156,33 @@ class Session:
     # --- the end ---------------------------------------------------------------------------------
 
     def close(self) -> None:
-        """CLOSE: motors and outputs off; then the line. Never waits for long.
+        """STOP, CLOSE: motors and outputs off; then the line. Never waits for long.
 
         Raises:
             PortError: if the device did not confirm it.
         """
         until_ns = self._clock.now_ns() + round(_FAREWELL_S * _NS_PER_S)
-        ticket = self.link.command(KIND_CLOSE)
-        try:
-            while self.link.done < ticket:
+
+        def within_time(done: Callable[[], bool]) -> None:
+            while not done():
                 self.pump(_SLICE_S)
                 if self._clock.now_ns() > until_ns:
-                    raise PortError(f"The bridge on {self._name} does not answer any more")
+                    raise PortError(f"The bridge on {self._name} does not answer any more.")
+
+        try:
+            if self._moves():
+                self.shout(URGENT_STOP)
+                within_time(lambda: not self._moves())
+            ticket = self.link.command(KIND_CLOSE)
+            within_time(lambda: self.link.done >= ticket)
         finally:
             self._line.close()
+
+    def _moves(self) -> bool:
+        """As far as is known; asks again."""
+        self.link.ask()
+        status = self.link.status
+        return status is None or bool(status.state & State.MOVING)
 
     def hang_up(self) -> None:
         """The line is of no use any more."""
