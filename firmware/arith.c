@@ -28,22 +28,6 @@ uint32_t rate_over(uint32_t divisor)
     return quotient;
 }
 
-uint32_t product_q16(uint32_t a, uint32_t b)
-{
-    uint16_t a_high = (uint16_t)(a >> 16), a_low = (uint16_t)a;
-    uint16_t b_high = (uint16_t)(b >> 16), b_low = (uint16_t)b;
-    if (b_high <= 1) { /* a ratio below two, as most are */
-        uint32_t part = (uint32_t)a_high * b_low + ((uint32_t)a_low * b_low >> 16);
-        return b_high ? sum_or_most(part, a) : part;
-    }
-    uint32_t high = (uint32_t)a_high * b_high;
-    if (high >> 16)
-        return 0xFFFFFFFFUL;
-    uint32_t sum = sum_or_most(high << 16, (uint32_t)a_high * b_low);
-    sum = sum_or_most(sum, (uint32_t)a_low * b_high);
-    return sum_or_most(sum, (uint32_t)a_low * b_low >> 16);
-}
-
 uint32_t ratio_q16(uint32_t a, uint32_t b)
 {
     uint32_t whole = 0;

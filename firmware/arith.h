@@ -11,7 +11,7 @@
 /* RATE_CYCLES / divisor, rounded down: rate to interval and back; divisor not 0. */
 uint32_t rate_over(uint32_t divisor);
 
-/* a * b >> 16. */
+/* a * b >> 16 (product.S). */
 uint32_t product_q16(uint32_t a, uint32_t b);
 
 /* (a << 16) / b; both below 2^24, b not 0. */

@@ -64,7 +64,9 @@ int main(void)
         frames_receive();
         throttle_service();
         reader_service();
+        throttle_service();
         run_service();
+        throttle_service();
         reports_service();
         frames_send();
     }
