@@ -30,7 +30,7 @@ from typing import Final
 from fraese.motor.cursor import Cursor, divisions
 from fraese.motor.governor import Governor
 from fraese.motor.requests import Requests
-from fraese.motor.seams import Card, Clock
+from fraese.motor.seams import Card, Clock, Entries
 from fraese.motor.track import Track
 from fraese.motor.wires import Wires
 
@@ -106,7 +106,8 @@ class Ticks:
                 return False
 
     def _set_up(self, cursor: Cursor) -> None:
-        """Direction lines of the block, before its first tick."""
+        """Direction lines of the block, before its first tick; its outputs come with that."""
+        self._wires.stale = cursor.outputs is not None
         entries = self._card.begin(cursor.directions, cursor.leader)
         if entries:
             self._wires.write(entries)
@@ -161,9 +162,8 @@ class Ticks:
                     break
                 now_ns = wait_until(deadline_ns)
                 track.last_cycles = next_due - due
-                if cursor.outputs:
-                    self._change_outputs(cursor)
-                    entries = tick(moving)
+                if wires.stale:
+                    entries = self._made_out_anew(cursor, moving)
                 for register, value in entries:
                     access[register](value)
                 if now_ns - deadline_ns << 3 > cycles * 125:
@@ -200,9 +200,8 @@ class Ticks:
                 self._clock.wait_until(end_ns)
                 return False
             now_ns = self._clock.wait_until(deadline_ns)
-            if cursor.outputs:
-                self._change_outputs(cursor)
-                entries = card.tick(moving)
+            if wires.stale:
+                entries = self._made_out_anew(cursor, moving)
             cursor.beats_cycles, cursor.moving_now = cycles, moving
             wires.write(entries)
             self._base_ns += self._late(now_ns - deadline_ns, beat_cycles)
@@ -212,10 +211,13 @@ class Ticks:
         cursor.moving_now = ~cursor.moved
         return True
 
-    def _change_outputs(self, cursor: Cursor) -> None:
+    def _made_out_anew(self, cursor: Cursor, moving: int) -> Entries:
+        """The control register has changed since, or does so now: some entries contain it."""
         if cursor.outputs:
             self._wires.set_outputs(*cursor.outputs)
             cursor.outputs = None
+        self._wires.stale = False
+        return self._card.tick(moving)
 
     def _late(self, late_ns: int, cycles: int) -> int:
         """How far to move all that follows, for an edge that came so late in its interval."""

@@ -28,6 +28,7 @@ class Wires:
     Attributes:
         access: one function a register, to be called with the value of an entry.
         energised: the coils have full current.
+        stale: entries that were made out before are not to be written any more.
     """
 
     def __init__(
@@ -45,6 +46,7 @@ class Wires:
         self._safe_outputs = safe_outputs
         self._outputs = 0
         self.energised = False
+        self.stale = False
         self.access: tuple[Callable[[int], object], ...] = (
             port.write_data,
             self._sample,
@@ -96,6 +98,7 @@ class Wires:
         self._outputs = self._outputs & ~mask | value & mask
         now = mask & ~self._safe_outputs if standing else mask
         self.write(self._card.set_outputs(now, value))
+        self.stale = True
 
     def forget_safe_outputs(self) -> None:
         """What ended before its end must not switch a laser on again at the next start."""

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fraese.blocks import Watch, WatchAction
+from fraese.blocks import Watch, WatchAction, steps_done
 from fraese.motor.realtime import mailbox
 from fraese.motor.realtime import memory as shared
 from fraese.motor.realtime.setup import ChargePump
@@ -85,7 +85,8 @@ class TestPlaying:
         assert report.running
         x, y, z = report.position_steps
         assert x == pytest.approx(480, abs=4)
-        assert (y, z) == (-((x + 1) // 2), (x + 2) // 4)
+        assert -y - steps_done(500, 1000, x) in (0, 1)
+        assert z - steps_done(250, 1000, x) in (0, 1)
         assert report.travelled_steps == (x, -y, z)
         assert (report.tag, report.tick, report.rate_hz) == (5, x, 1000)
 
