@@ -4,6 +4,7 @@
     simulation   the core, in this thread, on a mill          virtual, or paced by the wall
     ppdev        the core, in a process of its own            the machine's
     devport      likewise
+    bridge       a microcontroller, fed from this thread      the machine's
 
 Another one is a class behind the ``StepDriver`` seam, and a row in ``DRIVERS``.
 """
@@ -133,7 +134,7 @@ def _in_real_time(open_port: Callable[[], Port], order: Order) -> Made:
 def _on_ppdev(order: Order) -> Made:
     from fraese.motor.ports.ppdev import PpdevPort
 
-    return _in_real_time(partial(PpdevPort, order.config.port.device), order)
+    return _in_real_time(partial(PpdevPort, order.config.port.parallel_device), order)
 
 
 def _on_devport(order: Order) -> Made:
@@ -142,8 +143,31 @@ def _on_devport(order: Order) -> Made:
     return _in_real_time(partial(DevPort, order.config.port.base), order)
 
 
+def _on_bridge(order: Order) -> Made:
+    # Nobody else needs pyserial.
+    from fraese.motor.bridge.driver import BridgeDriver
+    from fraese.motor.bridge.line import SerialLine, only_candidate, serial_ports
+
+    port = order.config.port
+    device = port.device or only_candidate(serial_ports())
+    clock = MonotonicClock()
+    driver = BridgeDriver(
+        partial(SerialLine, device, port.baud),
+        order.card,
+        clock,
+        switch=order.switch,
+        settle_s=order.settle_s,
+        safe_outputs=order.safe_outputs,
+        silence_s=order.config.realtime.silent_s,
+        name=device,
+        baud=port.baud,
+    )
+    return Made(driver, clock, _METAL_SLICE_S)
+
+
 DRIVERS: Final[Mapping[str, Callable[[Order], Made]]] = {
     "simulation": _on_simulated_mill,
     "ppdev": _on_ppdev,
     "devport": _on_devport,
+    "bridge": _on_bridge,
 }

@@ -153,7 +153,9 @@ class SerialPort(NamedTuple):
 def serial_ports() -> list[SerialPort]:
     """All of them; those that look like an Arduino first."""
     found = [
-        SerialPort(port.device, port.description or "", port.vid, port.pid, MAKERS.get(port.vid, ""))
+        SerialPort(
+            port.device, port.description or "", port.vid, port.pid, MAKERS.get(port.vid, "")
+        )
         for port in list_ports.comports()
     ]
     return sorted(found, key=lambda port: (not port.maker, port.device))

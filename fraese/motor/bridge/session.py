@@ -52,6 +52,7 @@ class Session:
         patience_s: for the greeting.
 
     Attributes:
+        line: as given.
         hello: what the device said of itself.
         link: what is under way.
         listener: told of every STATUS.
@@ -63,7 +64,7 @@ class Session:
     def __init__(
         self, line: Line, clock: Clock, name: str, baud: int, patience_s: float = PATIENCE_S
     ) -> None:
-        self._line = line
+        self.line = line
         self._clock = clock
         self._name = name
         self._silent_s = 0.0
@@ -86,9 +87,9 @@ class Session:
         """
         out = self.link.output(self._clock.now_ns())
         if out:
-            self._line.write(out)
+            self.line.write(out)
         wait_s = max(0.0, min(timeout_s, _SLICE_S))
-        data = self._line.read(wait_s)
+        data = self.line.read(wait_s)
         expects = self.link.expects
         for status in self.link.feed(data, self._clock.now_ns()):
             if self.listener is not None:
@@ -142,7 +143,7 @@ class Session:
         Raises:
             PortError: if the line is gone.
         """
-        self._line.write(self.link.wish(byte, self._clock.now_ns()))
+        self.line.write(self.link.wish(byte, self._clock.now_ns()))
 
     def upload(self, facts: CardFacts) -> None:
         """Tell the device which card it has.
@@ -176,7 +177,7 @@ class Session:
             ticket = self.link.command(KIND_CLOSE)
             within_time(lambda: self.link.done >= ticket)
         finally:
-            self._line.close()
+            self.line.close()
 
     def _moves(self) -> bool:
         """As far as is known; asks again."""
@@ -186,4 +187,4 @@ class Session:
 
     def hang_up(self) -> None:
         """The line is of no use any more."""
-        self._line.close()
+        self.line.close()
