@@ -101,8 +101,8 @@ def play_both(kind: Kind, blocks: list[Block], late_cycles: int = 0) -> None:
 EXACT_PHASES = Range(3, 9_000)
 EXACT_THROTTLED = Range(3, 12_000, throttled=True)
 FAST_PHASES = Range(3, 1_300)
-EXACT_CLOCKS = Range(4, 5_000, spread=1.9)
-EXACT_CLOCKS_THROTTLED = Range(4, 7_000, spread=1.9, throttled=True)
+EXACT_CLOCKS = Range(4, 6_000, spread=1.3)
+EXACT_CLOCKS_THROTTLED = Range(4, 8_000, spread=1.3, throttled=True)
 
 
 @_SLOW
