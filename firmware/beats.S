@@ -517,8 +517,13 @@ rise_counted:
     sts  player + PLAYER_DONE + 1, r19
     sts  player + PLAYER_DONE + 2, r20
     lds  r25, player + PLAYER_RAMPS
-    tst  r25
-    breq 2f
+    cpi  r25, RAMP_STEADY
+    brne 5f
+    lds  r18, player + PLAYER_FALL
+    lds  r19, player + PLAYER_FALL + 1
+    rjmp fall_known
+5:  cpi  r25, RAMP_FAST
+    brne 2f
     lds  r18, player + PLAYER_INTERVAL
     lds  r22, player + PLAYER_ADD
     add  r18, r22
@@ -551,7 +556,15 @@ rise_counted:
     adc  r23, r19
     sts  player + PLAYER_NOT_BEFORE, r22
     sts  player + PLAYER_NOT_BEFORE + 1, r23
-    ldi  r20, MODE_FAST_FALL
+fall_known:
+    lds  r24, player + PLAYER_DONE
+    lds  r22, player + PLAYER_PIECE_END
+    cp   r24, r22
+    breq 4f                         // perhaps the end of the piece: then C sees to it
+    rcall make_out
+    ldi  r24, 1
+    sts  player + PLAYER_IS_MADE_OUT, r24
+4:  ldi  r20, MODE_FAST_FALL
     rjmp set_timer
 
 late_rise:
@@ -590,6 +603,11 @@ fallen:
     lds  r25, player + PLAYER_RAMPS
     cpi  r25, RAMP_SLOW
     breq jump_slow_fall
+    lds  r18, player + PLAYER_WAIT
+    lds  r19, player + PLAYER_WAIT + 1
+    ldi  r20, 0
+    cpi  r25, RAMP_STEADY
+    breq wait_known
     lds  r20, player + PLAYER_INTERVAL + 3
     tst  r20
     brne jump_slow_fall
@@ -615,6 +633,29 @@ fallen:
     lds  r23, player + PLAYER_FALL + 1
     sub  r18, r22
     sbc  r19, r23
+    cpi  r25, RAMP_FAST
+    breq wait_known
+    sts  player + PLAYER_WAIT, r18
+    sts  player + PLAYER_WAIT + 1, r19
+    ldi  r24, RAMP_STEADY
+    tst  r25
+    brne 1f
+    ldi  r24, RAMP_SETTLING
+1:  sts  player + PLAYER_RAMPS, r24
+wait_known:
+    lds  r24, player + PLAYER_IS_MADE_OUT
+    tst  r24
+    breq jump_make_out
+    sts  player + PLAYER_IS_MADE_OUT, r20
+to_rise:
+    ldi  r20, MODE_FAST_RISE
+    rjmp set_timer
+jump_make_out:
+    rcall make_out
+    rjmp to_rise
+
+// The motors of the next edge, into beat. Keeps r18 and r19.
+make_out:
     lds  r28, player + PLAYER_BLOCK
     lds  r29, player + PLAYER_BLOCK + 1
     ldd  r25, Y + BLOCK_LEADER + 1  // motors
@@ -670,5 +711,4 @@ clocks_done:
     sts  beat + 1, r24
     sts  beat + 2, r25
     sts  beat + BEAT_MASK, r25
-    ldi  r20, MODE_FAST_RISE
-    rjmp set_timer
+    ret

@@ -57,6 +57,8 @@
 #define PLAYER_PLAN 42
 #define PLAYER_FALL 46
 #define PLAYER_NOT_BEFORE 50
+#define PLAYER_IS_MADE_OUT 54
+#define PLAYER_WAIT 55
 
 /* player.mode: what the next interrupt is */
 #define MODE_PHASES 0
@@ -71,6 +73,9 @@
 #define RAMP_NONE 0
 #define RAMP_FAST 1
 #define RAMP_SLOW 2 /* every tick is taken by C */
+/* Clock lines at a constant interval: after one tick the fall, after two the wait is the same. */
+#define RAMP_SETTLING 3
+#define RAMP_STEADY 4
 
 /* struct beat */
 #define BEAT_ENTRY 3

@@ -69,6 +69,8 @@ AT(player, early, PLAYER_EARLY);
 AT(player, plan_cycles, PLAYER_PLAN);
 AT(player, fall_cycles, PLAYER_FALL);
 AT(player, not_before, PLAYER_NOT_BEFORE);
+AT(player, is_made_out, PLAYER_IS_MADE_OUT);
+AT(player, wait_cycles, PLAYER_WAIT);
 AT(card, facts.pulse_cycles, CARD_PULSE);
 AT(card, control_high, CARD_CONTROL_HIGH);
 AT(card, data, CARD_DATA);
@@ -330,11 +332,13 @@ static void go_to_edge(uint32_t cycles)
 {
     struct block *block = player.block;
     hop.may_choose = cycles >= FAR_CYCLES && !block->outputs_due;
-    if (hop.may_choose)
-        keep_state();
     if (block->outputs_due)
         make_outputs_of(block);
-    prepare_clocks();
+    if (!player.is_made_out)
+        prepare_clocks();
+    player.is_made_out = false;
+    beat.entry[0].high = (uint8_t)((beat.entry[0].high & DATA_HIGH_MASK) | card.control_high);
+    beat.rest.high = (uint8_t)((beat.rest.high & DATA_HIGH_MASK) | card.control_high);
     player.plan_cycles = cycles;
     player.cycles = cycles > player.not_before ? cycles : player.not_before;
     player.chosen_at = player.done;
@@ -371,6 +375,7 @@ static bool begin_block(void)
     player.done = player.piece_end = 0;
     player.piece_is_last = !block->ticks;
     player.beats = 0;
+    player.is_made_out = false;
     player.shortest = 0xFFFF;
     if (block->minors && card.facts.beat_cycles && card.facts.beat_cycles < 0x8000)
         player.shortest = (uint16_t)(2 * card.facts.beat_cycles);
@@ -605,15 +610,16 @@ void player_clocks_late(void)
 static bool choose_again(void)
 {
     uint32_t cycles = player.interval_q8 >> 8, gone = hop.gone_cycles;
-    restore_state();
     player.cycles = player.last_cycles;
     if (!throttle_choose(&cycles, true))
         return false;
     uint16_t due = player.due;
     if (is_phase_card()) {
+        restore_state();
         take_tick(cycles);
         go_to_beat(true);
     } else {
+        player.is_made_out = true;
         go_to_edge(cycles);
     }
     /* The wait counted from here; what has gone of it is taken off again. */

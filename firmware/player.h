@@ -52,6 +52,8 @@ struct player {
     uint32_t plan_cycles; /* clock lines: the interval as chosen */
     uint32_t fall_cycles; /* from the edge to the fall */
     uint32_t not_before;  /* shortest time from edge to edge */
+    bool is_made_out;     /* clock lines: motors of the next edge are known already */
+    uint16_t wait_cycles; /* clock lines: from the fall to the next edge, if it is steady */
 
     uint8_t after_hops;   /* mode of the interrupt that is waited for */
     bool piece_is_last;
