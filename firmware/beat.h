@@ -36,6 +36,7 @@ struct beat {
     uint8_t quiet, restless, mind;
     uint8_t pins[MOTORS_MAX]; /* what was read after each */
     struct entry more; /* beats.S loads one entry too many */
+    struct entry rest; /* clock lines at rest */
 
     bool control_due; /* outputs change first */
     uint8_t control_high, control_extra;

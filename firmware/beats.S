@@ -166,6 +166,13 @@ again:
     lds  r25, player + PLAYER_MODE
     cpi  r25, MODE_PHASES
     breq phases
+    cpi  r25, MODE_FAST_RISE
+    brlo 1f
+    breq jump_rise
+    rjmp fall
+jump_rise:
+    rjmp rise
+1:
     call_c player_play              // anything but a usual beat
     rjmp called
 
@@ -302,6 +309,7 @@ prepared:
     sts  player + PLAYER_BEATS_LEFT, r20
     sts  beat + BEAT_MASK, r25
     sts  beat + BEAT_END, r26
+prepared_wait:                      // r19:r18 after the deadline before
     lds  r24, player + PLAYER_DUE
     lds  r25, player + PLAYER_DUE + 1
     add  r24, r18
@@ -464,3 +472,243 @@ late:
     sts  player + PLAYER_DUE, r24
     sts  player + PLAYER_DUE + 1, r25
 3:  rjmp not_late
+
+// ---- Clock lines: an edge, half an interval later the fall; then the next interval is chosen.
+
+// r18, r19: two port bytes, at their cycle.
+.macro write_pair_at_due
+    lds  r24, player + PLAYER_DUE
+    lds  r25, player + PLAYER_DUE + 1
+    wait_out
+    nop                             // as long as a beat of a phase card
+    out  _SFR_IO_ADDR(PORT_LOW), r18
+    out  _SFR_IO_ADDR(PORT_HIGH), r19
+.endm
+
+// The next deadline is r19:r18 after this one, its mode r20.
+set_timer:
+    sts  player + PLAYER_MODE, r20
+    rjmp prepared_wait
+
+rise:
+    lds  r18, beat
+    lds  r19, beat + 1
+    write_pair_at_due
+    in   r23, _SFR_IO_ADDR(PIN_STATUS)
+    sts  beat + BEAT_PINS, r23
+    lds  r24, beat + BEAT_QUIET
+    eor  r23, r24
+    lds  r24, beat + BEAT_RESTLESS
+    or   r23, r24
+    lds  r24, beat + BEAT_MIND
+    and  r23, r24
+    breq 1f
+    call_c inputs_examine_beat
+1:  sbic _SFR_IO_ADDR(GPIOR0), 7
+    rjmp late_rise
+rise_counted:
+    lds  r18, player + PLAYER_DONE
+    lds  r19, player + PLAYER_DONE + 1
+    lds  r20, player + PLAYER_DONE + 2
+    subi r18, 0xFF
+    sbci r19, 0xFF
+    sbci r20, 0xFF
+    sts  player + PLAYER_DONE, r18
+    sts  player + PLAYER_DONE + 1, r19
+    sts  player + PLAYER_DONE + 2, r20
+    lds  r25, player + PLAYER_RAMPS
+    cpi  r25, RAMP_STEADY
+    brne 5f
+    lds  r18, player + PLAYER_FALL
+    lds  r19, player + PLAYER_FALL + 1
+    rjmp fall_known
+5:  cpi  r25, RAMP_FAST
+    brne 2f
+    lds  r18, player + PLAYER_INTERVAL
+    lds  r22, player + PLAYER_ADD
+    add  r18, r22
+    sts  player + PLAYER_INTERVAL, r18
+    lds  r18, player + PLAYER_INTERVAL + 1
+    lds  r22, player + PLAYER_ADD + 1
+    adc  r18, r22
+    sts  player + PLAYER_INTERVAL + 1, r18
+    lds  r18, player + PLAYER_INTERVAL + 2
+    lds  r22, player + PLAYER_ADD + 2
+    adc  r18, r22
+    sts  player + PLAYER_INTERVAL + 2, r18
+    lds  r18, player + PLAYER_INTERVAL + 3
+    lds  r22, player + PLAYER_ADD + 3
+    adc  r18, r22
+    sts  player + PLAYER_INTERVAL + 3, r18
+2:  lds  r18, player + PLAYER_PLAN
+    lds  r19, player + PLAYER_PLAN + 1
+    lsr  r19
+    ror  r18
+    lds  r22, card + CARD_PULSE
+    lds  r23, card + CARD_PULSE + 1
+    cp   r18, r22
+    cpc  r19, r23
+    brsh 3f
+    movw r18, r22
+3:  sts  player + PLAYER_FALL, r18
+    sts  player + PLAYER_FALL + 1, r19
+    add  r22, r18
+    adc  r23, r19
+    sts  player + PLAYER_NOT_BEFORE, r22
+    sts  player + PLAYER_NOT_BEFORE + 1, r23
+fall_known:
+    lds  r24, player + PLAYER_DONE
+    lds  r22, player + PLAYER_PIECE_END
+    cp   r24, r22
+    breq 4f                         // perhaps the end of the piece: then C sees to it
+    rcall make_out
+    ldi  r24, 1
+    sts  player + PLAYER_IS_MADE_OUT, r24
+4:  ldi  r20, MODE_FAST_FALL
+    rjmp set_timer
+
+late_rise:
+    call_c player_clocks_late
+    rjmp rise_counted
+late_fall:
+    call_c player_clocks_late
+    rjmp fallen
+slow_fall:
+    call_c player_fell
+    rjmp called
+
+fall:
+    lds  r18, beat + BEAT_REST
+    lds  r19, beat + BEAT_REST + 1
+    write_pair_at_due
+    sbic _SFR_IO_ADDR(GPIOR0), 7
+    rjmp late_fall
+    rjmp fallen
+jump_slow_fall:
+    rjmp slow_fall
+fallen:
+    lds  r18, player + PLAYER_DONE
+    lds  r21, player + PLAYER_PIECE_END
+    cp   r18, r21
+    lds  r18, player + PLAYER_DONE + 1
+    lds  r21, player + PLAYER_PIECE_END + 1
+    cpc  r18, r21
+    lds  r18, player + PLAYER_DONE + 2
+    lds  r21, player + PLAYER_PIECE_END + 2
+    cpc  r18, r21
+    breq jump_slow_fall
+    in   r24, _SFR_IO_ADDR(GPIOR0)
+    tst  r24
+    brne jump_slow_fall
+    lds  r25, player + PLAYER_RAMPS
+    cpi  r25, RAMP_SLOW
+    breq jump_slow_fall
+    lds  r18, player + PLAYER_WAIT
+    lds  r19, player + PLAYER_WAIT + 1
+    ldi  r20, 0
+    cpi  r25, RAMP_STEADY
+    breq wait_known
+    lds  r20, player + PLAYER_INTERVAL + 3
+    tst  r20
+    brne jump_slow_fall
+    lds  r18, player + PLAYER_INTERVAL + 1
+    lds  r19, player + PLAYER_INTERVAL + 2
+    cpi  r19, FAR_HIGH
+    brsh jump_slow_fall
+    sts  player + PLAYER_PLAN, r18
+    sts  player + PLAYER_PLAN + 1, r19
+    lds  r22, player + PLAYER_NOT_BEFORE
+    lds  r23, player + PLAYER_NOT_BEFORE + 1
+    cp   r18, r22
+    cpc  r19, r23
+    brsh 1f
+    movw r18, r22
+1:  lds  r22, player + PLAYER_CYCLES
+    sts  player + PLAYER_LAST, r22
+    lds  r22, player + PLAYER_CYCLES + 1
+    sts  player + PLAYER_LAST + 1, r22
+    sts  player + PLAYER_CYCLES, r18
+    sts  player + PLAYER_CYCLES + 1, r19
+    lds  r22, player + PLAYER_FALL
+    lds  r23, player + PLAYER_FALL + 1
+    sub  r18, r22
+    sbc  r19, r23
+    cpi  r25, RAMP_FAST
+    breq wait_known
+    sts  player + PLAYER_WAIT, r18
+    sts  player + PLAYER_WAIT + 1, r19
+    ldi  r24, RAMP_STEADY
+    tst  r25
+    brne 1f
+    ldi  r24, RAMP_SETTLING
+1:  sts  player + PLAYER_RAMPS, r24
+wait_known:
+    lds  r24, player + PLAYER_IS_MADE_OUT
+    tst  r24
+    breq jump_make_out
+    sts  player + PLAYER_IS_MADE_OUT, r20
+to_rise:
+    ldi  r20, MODE_FAST_RISE
+    rjmp set_timer
+jump_make_out:
+    rcall make_out
+    rjmp to_rise
+
+// The motors of the next edge, into beat. Keeps r18 and r19.
+make_out:
+    lds  r28, player + PLAYER_BLOCK
+    lds  r29, player + PLAYER_BLOCK + 1
+    ldd  r25, Y + BLOCK_LEADER + 1  // motors
+    lds  r26, card + CARD_DATA      // data byte
+    ldd  r24, Y + BLOCK_LEADER
+    eor  r26, r24
+    ldd  r21, Y + BLOCK_MINORS
+.macro clock_minor number
+    dec  r21
+    brpl 1f
+    rjmp clocks_done
+1:  ldd  r22, Y + MINOR_SIZE * \number + MINOR_SUM
+    ldd  r30, Y + MINOR_SIZE * \number + MINOR_ADD
+    add  r22, r30
+    ldd  r23, Y + MINOR_SIZE * \number + MINOR_SUM + 1
+    ldd  r30, Y + MINOR_SIZE * \number + MINOR_ADD + 1
+    adc  r23, r30
+    ldd  r24, Y + MINOR_SIZE * \number + MINOR_SUM + 2
+    ldd  r30, Y + MINOR_SIZE * \number + MINOR_ADD + 2
+    adc  r24, r30
+    brcc 2f
+    ldd  r30, Y + BLOCK_LIMIT
+    sub  r22, r30
+    ldd  r30, Y + BLOCK_LIMIT + 1
+    sbc  r23, r30
+    ldd  r30, Y + BLOCK_LIMIT + 2
+    sbc  r24, r30
+    ldd  r30, Y + MINOR_SIZE * \number + MINOR_MOVER
+    eor  r26, r30
+    ldd  r30, Y + MINOR_SIZE * \number + MINOR_MOVER + 1
+    or   r25, r30
+2:  std  Y + MINOR_SIZE * \number + MINOR_SUM, r22
+    std  Y + MINOR_SIZE * \number + MINOR_SUM + 1, r23
+    std  Y + MINOR_SIZE * \number + MINOR_SUM + 2, r24
+.endm
+    clock_minor 0
+    clock_minor 1
+    clock_minor 2
+clocks_done:
+    lds  r24, card + CARD_CONTROL_HIGH
+#if DATA_HIGH_MASK                  // D0 to D5 from bit 2 on, D6 and D7 elsewhere
+    mov  r23, r26
+    swap r23
+    lsr  r23
+    lsr  r23
+    andi r23, DATA_HIGH_MASK
+    or   r24, r23
+    lsl  r26
+    lsl  r26
+    ori  r26, 0x01
+#endif
+    sts  beat, r26
+    sts  beat + 1, r24
+    sts  beat + 2, r25
+    sts  beat + BEAT_MASK, r25
+    ret

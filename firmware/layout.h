@@ -10,6 +10,7 @@
 #define MINOR_SUM 0
 #define MINOR_ADD 3
 #define MINOR_MOVER 6
+/* struct mover of clock lines: data bit, motor bit */
 #define BLOCK_LEADER 24
 #define BLOCK_LIMIT 26
 #define BLOCK_MINORS 29
@@ -24,6 +25,9 @@
 
 /* struct card, struct line */
 #define CARD_TABLE_LENGTH 2
+#define CARD_PULSE 28
+#define CARD_CONTROL_HIGH 46
+#define CARD_DATA 48
 #define LINE_HEAD 0
 #define LINE_ERRORS 2
 #define LINE_BYTES 3
@@ -50,6 +54,11 @@
 #define PLAYER_PATIENCE 38
 #define PLAYER_LATE_TICKS 39
 #define PLAYER_EARLY 41
+#define PLAYER_PLAN 42
+#define PLAYER_FALL 46
+#define PLAYER_NOT_BEFORE 50
+#define PLAYER_IS_MADE_OUT 54
+#define PLAYER_WAIT 55
 
 /* player.mode: what the next interrupt is */
 #define MODE_PHASES 0
@@ -57,11 +66,16 @@
 #define MODE_HOP 2
 #define MODE_RISE 3
 #define MODE_FALL 4
+#define MODE_FAST_RISE 5
+#define MODE_FAST_FALL 6
 
 /* player.ramps */
 #define RAMP_NONE 0
 #define RAMP_FAST 1
 #define RAMP_SLOW 2 /* every tick is taken by C */
+/* Clock lines at a constant interval: after one tick the fall, after two the wait is the same. */
+#define RAMP_SETTLING 3
+#define RAMP_STEADY 4
 
 /* struct beat */
 #define BEAT_ENTRY 3
@@ -71,7 +85,8 @@
 #define BEAT_RESTLESS 15
 #define BEAT_MIND 16
 #define BEAT_PINS 17
-#define BEAT_SIZE 27
+#define BEAT_REST 24 /* struct entry rest: clock lines at rest */
+#define BEAT_SIZE 30
 
 /* From the compare match to the deadline: entry, the longest lock, what is done before the wait. */
 #define EARLY_CYCLES 52

@@ -60,6 +60,7 @@ int main(void)
     begin();
     for (;;) {
         wdt_reset();
+        player.patience = PATIENCE;
         run_time();
         frames_receive();
         throttle_service();

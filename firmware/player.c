@@ -66,6 +66,15 @@ AT(beat, pins, BEAT_PINS);
 
 AT(player, patience, PLAYER_PATIENCE);
 AT(player, early, PLAYER_EARLY);
+AT(player, plan_cycles, PLAYER_PLAN);
+AT(player, fall_cycles, PLAYER_FALL);
+AT(player, not_before, PLAYER_NOT_BEFORE);
+AT(player, is_made_out, PLAYER_IS_MADE_OUT);
+AT(player, wait_cycles, PLAYER_WAIT);
+AT(card, facts.pulse_cycles, CARD_PULSE);
+AT(card, control_high, CARD_CONTROL_HIGH);
+AT(card, data, CARD_DATA);
+AT(beat, rest, BEAT_REST);
 AT(player, late_ticks, PLAYER_LATE_TICKS);
 _Static_assert(sizeof(struct beat) == BEAT_SIZE, "struct beat");
 _Static_assert(sizeof(struct tracks) == TRACKS_SIZE, "struct tracks");
@@ -98,7 +107,8 @@ static bool is_phase_card(void)
 static void set_mode(uint8_t mode)
 {
     player.mode = mode;
-    player.early = mode == MODE_PHASES ? EARLY_CYCLES : EARLY_SLOW_CYCLES;
+    bool is_fast = mode == MODE_PHASES || mode >= MODE_FAST_RISE;
+    player.early = is_fast ? EARLY_CYCLES : EARLY_SLOW_CYCLES;
 }
 
 static void set_compare(void)
@@ -294,27 +304,27 @@ static void go_to_beat(bool first)
     arm(usual ? MODE_PHASES : MODE_SLOW, wait);
 }
 
-static uint8_t clock_bits(uint8_t motors)
-{
-    uint8_t bits = 0;
-    for (uint8_t bit = 0x02; motors; bit <<= 2, motors >>= 1)
-        if (motors & 1)
-            bits |= bit;
-    return bits;
-}
-
 static void prepare_clocks(void)
 {
     struct block *block = player.block;
-    uint8_t motors = block->moving ? block->leading : 0;
-    for (uint8_t i = 0; i < block->minors; i++)
-        if (minor_steps(&block->minor[i], block->limit))
-            motors |= block->minor_bits[i];
-    uint8_t data = card.data ^ clock_bits(motors);
+    uint8_t motors = 0, data = card.data;
+    if (block->moving) {
+        motors = (uint8_t)block->leader.delta;
+        data ^= block->leader.at;
+    }
+    for (uint8_t i = 0; i < block->minors; i++) {
+        struct minor *minor = &block->minor[i];
+        if (minor_steps(minor, block->limit)) {
+            motors |= (uint8_t)minor->mover.delta;
+            data ^= minor->mover.at;
+        }
+    }
     beat.mask = beat.entry[0].bit = motors;
     beat.entry[0].low = DATA_LOW(data);
     beat.entry[0].high = (uint8_t)(DATA_HIGH(data) | card.control_high);
     beat.end = (uint8_t)(uintptr_t)&beat.entry[motors ? 1 : 0];
+    beat.rest.low = DATA_LOW(card.data);
+    beat.rest.high = (uint8_t)(DATA_HIGH(card.data) | card.control_high);
 }
 
 /* An edge of clock lines, from the fall before it. */
@@ -322,15 +332,19 @@ static void go_to_edge(uint32_t cycles)
 {
     struct block *block = player.block;
     hop.may_choose = cycles >= FAR_CYCLES && !block->outputs_due;
-    if (hop.may_choose)
-        keep_state();
     if (block->outputs_due)
         make_outputs_of(block);
-    prepare_clocks();
+    if (!player.is_made_out)
+        prepare_clocks();
+    player.is_made_out = false;
+    beat.entry[0].high = (uint8_t)((beat.entry[0].high & DATA_HIGH_MASK) | card.control_high);
+    beat.rest.high = (uint8_t)((beat.rest.high & DATA_HIGH_MASK) | card.control_high);
     player.plan_cycles = cycles;
     player.cycles = cycles > player.not_before ? cycles : player.not_before;
     player.chosen_at = player.done;
-    arm(MODE_RISE, player.cycles - player.fall_cycles);
+    bool usual = block->moving && !beat.control_due && player.cycles < FAR_CYCLES;
+    player.ramps = !usual ? RAMP_SLOW : player.add_q8 ? RAMP_FAST : RAMP_NONE;
+    arm(usual ? MODE_FAST_RISE : MODE_RISE, player.cycles - player.fall_cycles);
 }
 
 /* ---- which tick */
@@ -361,6 +375,7 @@ static bool begin_block(void)
     player.done = player.piece_end = 0;
     player.piece_is_last = !block->ticks;
     player.beats = 0;
+    player.is_made_out = false;
     player.shortest = 0xFFFF;
     if (block->minors && card.facts.beat_cycles && card.facts.beat_cycles < 0x8000)
         player.shortest = (uint16_t)(2 * card.facts.beat_cycles);
@@ -573,25 +588,38 @@ static void play_rise(void)
 /* They go back to it; then directions may change, and the next interval is chosen. */
 static bool play_fall(void)
 {
-    uint8_t high = (uint8_t)(DATA_HIGH(card.data) | card.control_high);
-    uint16_t late = write_data_at(player.due + LAG_CYCLES, DATA_LOW(card.data), high);
+    uint16_t late = write_data_at(player.due + LAG_CYCLES, beat.rest.low, beat.rest.high);
     note_late(late, player.cycles >> 1);
     return go_on();
+}
+
+/* Clock lines have fallen, and the next tick is no usual one. */
+uint8_t player_fell(void)
+{
+    return or_stop(go_on());
+}
+
+/* A write of clock lines came late: rise or fall. */
+void player_clocks_late(void)
+{
+    unwish(IS_LATE);
+    note_late(player.late, player.mode == MODE_FAST_FALL ? player.cycles >> 1 : player.cycles);
 }
 
 /* An interval that runs, chosen anew for a brake or a stop; false: no tick follows. */
 static bool choose_again(void)
 {
     uint32_t cycles = player.interval_q8 >> 8, gone = hop.gone_cycles;
-    restore_state();
     player.cycles = player.last_cycles;
     if (!throttle_choose(&cycles, true))
         return false;
     uint16_t due = player.due;
     if (is_phase_card()) {
+        restore_state();
         take_tick(cycles);
         go_to_beat(true);
     } else {
+        player.is_made_out = true;
         go_to_edge(cycles);
     }
     /* The wait counted from here; what has gone of it is taken off again. */

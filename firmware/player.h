@@ -49,13 +49,16 @@ struct player {
     uint16_t late_ticks;
     uint8_t early;        /* by which the compare match comes before the deadline */
 
+    uint32_t plan_cycles; /* clock lines: the interval as chosen */
+    uint32_t fall_cycles; /* from the edge to the fall */
+    uint32_t not_before;  /* shortest time from edge to edge */
+    bool is_made_out;     /* clock lines: motors of the next edge are known already */
+    uint16_t wait_cycles; /* clock lines: from the fall to the next edge, if it is steady */
+
     uint8_t after_hops;   /* mode of the interrupt that is waited for */
     bool piece_is_last;
     bool from_rest;       /* the next block is the first of a run */
     ticks_t chosen_at;    /* `done` at the last choice in C */
-    uint32_t plan_cycles; /* clock lines: the interval as chosen */
-    uint32_t fall_cycles; /* from the edge to the fall */
-    uint32_t not_before;  /* shortest time from edge to edge */
     volatile uint8_t halt;
     uint16_t serial;      /* block in hand, or the last one */
 };

@@ -220,6 +220,11 @@ static const uint8_t widths[] = {1, 2, 4, 4};
 
 static void set_mover(struct mover *mover, uint8_t motor, bool forward)
 {
+    if (card.facts.type == CARD_CLOCKS) {
+        mover->at = (uint8_t)(2 << 2 * motor);
+        mover->delta = (int8_t)_BV(motor);
+        return;
+    }
     mover->at = (uint8_t)(uintptr_t)&tracks.motor[motor];
     mover->delta = forward ? 1 : -1;
 }

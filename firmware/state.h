@@ -49,7 +49,8 @@ struct place {
     uint8_t moved;
 };
 
-/* Who moves: low byte of the address of its struct motor, and +1 or -1. */
+/* Who moves. Phase card: low byte of the address of its struct motor, and +1 or -1. Clock lines: its
+ * bit of the data byte, and its motor bit. */
 struct mover {
     uint8_t at;
     int8_t delta;

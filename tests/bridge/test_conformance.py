@@ -39,6 +39,7 @@ class Range:
     least_cycles: int
     spread: float = 6.0
     throttled: bool = False
+    dwell_s: tuple[float, float] = (0.001, 0.03)
 
 
 @st.composite
@@ -80,7 +81,7 @@ def moves(draw: st.DrawFn, given: Range) -> Block:
 @st.composite
 def queues(draw: st.DrawFn, given: Range) -> list[Block]:
     """Blocks that fit into the ring together, dwells among them; the last one ends at rest."""
-    waits = st.builds(dwell, st.just(given.motors), st.floats(0.001, 0.03))
+    waits = st.builds(dwell, st.just(given.motors), st.floats(*given.dwell_s))
     blocks = draw(st.lists(st.one_of(moves(given), moves(given), waits), min_size=1, max_size=8))
     return [*blocks[:-1], blocks[-1]._replace(ends_at_rest=True)]
 
@@ -101,8 +102,9 @@ def play_both(kind: Kind, blocks: list[Block], late_cycles: int = 0) -> None:
 EXACT_PHASES = Range(3, 9_000)
 EXACT_THROTTLED = Range(3, 12_000, throttled=True)
 FAST_PHASES = Range(3, 1_300)
-EXACT_CLOCKS = Range(4, 5_000, spread=1.9)
-EXACT_CLOCKS_THROTTLED = Range(4, 7_000, spread=1.9, throttled=True)
+#: Clock lines fall half an interval after an edge; after a long one little is left for a short one.
+EXACT_CLOCKS = Range(4, 8_000, spread=1.2, dwell_s=(0.0005, 0.0006))
+EXACT_CLOCKS_THROTTLED = Range(4, 9_000, spread=1.2, throttled=True, dwell_s=(0.0006, 0.0007))
 
 
 @_SLOW
