@@ -53,6 +53,7 @@ static void put(uint8_t byte)
 
 static uint8_t take_u8(void)
 {
+    line_poll();
     uint8_t byte = ring[tail];
     if (++tail == BOARD_RING)
         tail = 0;
