@@ -146,7 +146,13 @@ class FirmwareBench:
         self.lines: list[ChipLine] = []
         self.simulated = Hands(self)
         self.chip.begin()
-        self.driver = BridgeDriver(
+        self._options = (capacity, safe_outputs, silence_s)
+        self.driver = self.another_driver()
+
+    def another_driver(self) -> BridgeDriver:
+        """A program that finds the chip as it is."""
+        capacity, safe_outputs, silence_s = self._options
+        return BridgeDriver(
             self._open,
             self.twin.card,
             self.clock,
@@ -199,6 +205,14 @@ class FirmwareBench:
 
     def mark(self) -> int:
         return self.twin.mark()
+
+    def steps_ns(self, motor: int, since: int = 0) -> list[int]:
+        """When a phase card's motor was given another byte."""
+        return [
+            access.at_ns
+            for access in self.twin.accesses(since)
+            if access.register == DATA and access.value >> 6 == motor
+        ]
 
 
 class Hands:

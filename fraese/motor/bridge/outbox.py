@@ -39,13 +39,16 @@ class Outbox:
     @property
     def room_blocks(self) -> int:
         """How many usual blocks are taken, here and there; an estimate."""
-        room = max(0, self._link.credit) + BACKLOG - self._link.backlog
-        return max(0, room // _USUAL_BYTES)
+        return max(0, self._room // _USUAL_BYTES)
 
     @property
     def is_full(self) -> bool:
         """Nothing more is taken until the device has played something."""
-        return self._link.backlog >= BACKLOG
+        return self._room <= 0
+
+    @property
+    def _room(self) -> int:
+        return max(0, self._link.credit) + BACKLOG - self._link.backlog
 
     def record(self, block: Block, number: int) -> bytes:
         """The record of the block with that number, which is the next one.
