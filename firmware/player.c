@@ -546,7 +546,7 @@ static uint8_t play_slowly(void)
 {
     uint16_t late = write_movements();
     inputs_examine_beat();
-    note_late(late, player.cycles);
+    note_late(late, player.beats_left ? player.cycles << 1 : player.cycles);
     if (player.beats_left) {
         player.moved |= beat.mask;
         if (player.cycles >= FAR_CYCLES) {
@@ -602,7 +602,6 @@ uint8_t player_fell(void)
 /* A write of clock lines came late: rise or fall. */
 void player_clocks_late(void)
 {
-    unwish(IS_LATE);
     note_late(player.late, player.mode == MODE_FAST_FALL ? player.cycles >> 1 : player.cycles);
 }
 
