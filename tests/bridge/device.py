@@ -99,9 +99,11 @@ class Device:
             assert self.avr.cycle < end, "it did not happen in time"
             self.run(slice_cycles)
 
-    def send(self, kind: int, payload: bytes = b"") -> None:
-        """A command, without waiting."""
-        self.avr.feed(frame(kind, self._sequence, payload))
+    def send(self, kind: int, payload: bytes = b"", before_cycle: int = 0) -> None:
+        """A command, without waiting; as a whole on the wire at a cycle that is still to come."""
+        data = frame(kind, self._sequence, payload)
+        start = before_cycle - round(len(data) * 10 * self.avr.bit_cycles) if before_cycle else 0
+        self.avr.feed(data, at_cycle=start)
         self._sequence = (self._sequence + 1) & 0xFF
 
     def command(self, kind: int, payload: bytes = b"") -> int:

@@ -40,11 +40,21 @@ class Duel:
     """A run on both, with something that happens on the way."""
 
     def __init__(self, blocks: list[Block]) -> None:
+        self._blocks = blocks
         self.core = Core(PHASES)
         self.device: Device = device_for(PHASES)
         self.core.push(blocks)
         self.device.push(blocks, self.core.dry)
         self._compared = 0
+
+    def within(self, tick: int) -> int:
+        """A cycle a third into the interval before a tick, as long as nothing happens."""
+        alone = Core(PHASES)
+        alone.push(self._blocks)
+        alone.play()
+        leader = [w.cycle for w in alone.writes() if w.register == 0 and w.value >> 6 == 0]
+        before, at = leader[tick - 1 : tick + 1]
+        return before + (at - before) // 3
 
     def happens(self, at_cycle: int, on_core: Callable[[], None]) -> None:
         """At a cycle of the run, on the core."""
@@ -69,7 +79,7 @@ class Duel:
 
 def test_brake_and_resume() -> None:
     duel = Duel([line(400, ends_at_rest=False), line(300)])
-    at = 40 * INTERVAL + 1500
+    at = duel.within(40)
     duel.happens(at, duel.core.driver.brake)
     held = duel.core.play()
     base = duel.start_device()
@@ -90,7 +100,7 @@ def test_brake_and_resume() -> None:
 
 def test_stop_finishes_the_tick_in_hand() -> None:
     duel = Duel([line(400)])
-    at = 40 * INTERVAL + 1500
+    at = duel.within(40)
     duel.happens(at, duel.core.driver.stop)
     report = duel.core.play()
     base = duel.start_device()
@@ -104,7 +114,7 @@ def test_stop_finishes_the_tick_in_hand() -> None:
 
 def test_end_switch_stops_with_the_exact_count() -> None:
     duel = Duel([line(400)])
-    at = 40 * INTERVAL + 700
+    at = duel.within(40)
 
     def press() -> None:
         duel.core.lines.status = CLOSED
@@ -125,7 +135,7 @@ def test_end_switch_stops_with_the_exact_count() -> None:
 def test_watch(action: WatchAction, interval: int) -> None:
     """Latched at the first reading, in the middle of a tick."""
     duel = Duel([line(120, interval, watch=Watch(0x40, 0, action)), line(80, interval)])
-    at = 30 * interval + interval // 5
+    at = duel.within(30)
 
     def touch() -> None:
         duel.core.lines.status = OPEN & ~0x40
@@ -181,20 +191,14 @@ def test_blocks_after_running_dry_are_played_at_once() -> None:
 
 
 def test_override_is_a_ceiling() -> None:
+    """Lowered in the middle of a block, it is met on a ramp, and goes on in the next block."""
     blocks = [line(300, override_q8=256, ends_at_rest=False), line(300, override_q8=256)]
     duel = Duel(blocks)
-    down, up = 60 * INTERVAL + 1500, 250 * INTERVAL + 1500
-    duel.happens(down, lambda: duel.core.driver.set_override(0.6))
+    at = duel.within(250)
+    duel.happens(at, lambda: duel.core.driver.set_override(0.6))
     duel.core.play()
     base = duel.start_device()
-    duel.device.wait(lambda: duel.device.avr.cycle > base + down - 300, 1000, 200)
-    duel.device.send(c.KIND_OVERRIDE, (154).to_bytes(2, "little"))
+    duel.device.send(c.KIND_OVERRIDE, (154).to_bytes(2, "little"), before_cycle=base + at)
     status = duel.device.stand_still()
-    assert status.override_q8 == 154
-    assert up
+    assert (status.override_q8, status.late_throttle) == (154, 0)
     duel.finish()
-
-
-def writes_of_motor(writes: list[Write], motor: int) -> int:
-    """How many bytes went to a motor."""
-    return sum(1 for w in writes if w.register == 0 and w.value >> 6 == motor)
