@@ -18,6 +18,8 @@ uint32_t rate_over(uint32_t divisor)
     }
     line_poll();
     do {
+        if (!(bits & 7))
+            line_poll();
         quotient <<= 1;
         if (rest >= divisor) {
             rest -= divisor;
@@ -46,6 +48,8 @@ uint32_t ratio_q16(uint32_t a, uint32_t b)
         return whole << 16;
     line_poll();
     for (uint8_t bit = 16; bit; bit--) {
+        if (!(bit & 7))
+            line_poll();
         a <<= 1;
         whole <<= 1;
         if (a >= b) {
@@ -69,6 +73,8 @@ uint32_t scaled_rate(uint32_t rate, uint16_t wanted, uint16_t planned)
     if (quotient >> 16)
         return 0xFFFFFFFFUL;
     for (uint8_t bit = 16; bit; bit--) {
+        if (!(bit & 7))
+            line_poll();
         rest = rest << 1 | bits >> 15;
         bits <<= 1;
         quotient <<= 1;

@@ -29,6 +29,7 @@ void commands_begin(uint8_t reason, uint16_t boot_count)
 
 static void u8(uint8_t value)
 {
+    line_poll();
     *at++ = value;
 }
 
