@@ -23,6 +23,7 @@ from tests.bridge.device import MS, Device
 
 _SILENCE_CYCLES = 30 * MS
 _SLICE_CYCLES = 4_000
+_ASK_CYCLES = 10 * MS
 
 
 def records(blocks: Iterable[Block]) -> Iterator[bytes]:
@@ -63,6 +64,7 @@ class Stream:
         self._chance = random.Random(5)
         self._acknowledged_at = self.device.avr.cycle
         self._gap_at = (0, 0)
+        self._asked_at = 0
 
     def fill(self) -> None:
         """Until the ring is full or nothing is left."""
@@ -88,24 +90,32 @@ class Stream:
     def finish(self, limit_s: float = 60.0) -> None:
         """Until the motors stand and nothing is left to send."""
         end = self.device.avr.cycle + int(limit_s * 1000 * MS)
-        while True:
-            self.step()
+        while not (self._sent_all and self._stands(played=True)):
             assert self.device.avr.cycle < end, "it did not end in time"
-            status = self.device.status
-            if not status or status.state & c.State.MOVING:
-                continue
-            if self._sent_all and status.place.serial == status.last:
-                return
-            if self._sent_all or status.ended == c.ENDED_TARGET:
+            for _ in range(80):
+                self.step()
+            self.device.status = None
+            self.device.urgent(c.URGENT_STATUS)
+            for _ in range(20):
+                self.step()
+            if self._stands(played=False) and not self._unacknowledged:
                 # The queue was played while blocks were on the line.
-                self.device.ask()
                 self.restarts += 1
-                self.device.start()
+                self._post(c.KIND_START, b"\0", 0)
+
+    def _stands(self, played: bool) -> bool:
+        status = self.device.status
+        if status is None or status.state & c.State.MOVING:
+            return False
+        return (status.place.serial == status.last and status.last > 0) == played
 
     def step(self) -> None:
         """Send what may be sent, then let a quarter of a millisecond pass."""
         self._take_acks()
         self._send()
+        if self.device.avr.cycle - self._asked_at > _ASK_CYCLES:
+            self._asked_at = self.device.avr.cycle
+            self.device.urgent(c.URGENT_STATUS)
         self.device.run(_SLICE_CYCLES)
 
     def _take_acks(self) -> None:
@@ -137,15 +147,19 @@ class Stream:
             part = bytes(self._waiting[: c.PAYLOAD_MAX - 1])
             if not part or len(part) > free:
                 return
-            sequence = self.device.sequence
-            data = frame(c.KIND_BLOCKS, sequence, b"\0" + part)
+            data = frame(c.KIND_BLOCKS, self.device.sequence, b"\0" + part)
             if sum(len(d) for _, d, _ in self._unacknowledged) + len(data) > c.WINDOW:
                 return
-            self.device.sequence = (sequence + 1) & 0xFF
-            self._unacknowledged.append((sequence, data, len(part)))
+            self._post(c.KIND_BLOCKS, b"\0" + part, len(part))
             free -= len(part)
             del self._waiting[: len(part)]
-            self._onto_the_line(data)
+
+    def _post(self, kind: int, payload: bytes, size: int) -> None:
+        sequence = self.device.sequence
+        self.device.sequence = (sequence + 1) & 0xFF
+        data = frame(kind, sequence, payload)
+        self._unacknowledged.append((sequence, data, size))
+        self._onto_the_line(data)
 
     def _onto_the_line(self, data: bytes) -> None:
         if self.damage_every and not self._chance.randrange(self.damage_every):
