@@ -16,8 +16,9 @@ uint32_t rate_over(uint32_t divisor)
         divisor <<= 1;
         bits++;
     }
+    line_poll();
     do {
-        if (!(bits & 3))
+        if (!(bits & 7))
             line_poll();
         quotient <<= 1;
         if (rest >= divisor) {
@@ -45,8 +46,9 @@ uint32_t ratio_q16(uint32_t a, uint32_t b)
         return 0xFFFFFFFFUL;
     if (!a)
         return whole << 16;
+    line_poll();
     for (uint8_t bit = 16; bit; bit--) {
-        if (!(bit & 3))
+        if (!(bit & 7))
             line_poll();
         a <<= 1;
         whole <<= 1;
@@ -66,11 +68,12 @@ uint32_t scaled_rate(uint32_t rate, uint16_t wanted, uint16_t planned)
     high += low >> 16;
     uint32_t quotient = high / planned;
     uint32_t rest = high % planned;
+    line_poll();
     uint16_t bits = (uint16_t)low;
     if (quotient >> 16)
         return 0xFFFFFFFFUL;
     for (uint8_t bit = 16; bit; bit--) {
-        if (!(bit & 3))
+        if (!(bit & 7))
             line_poll();
         rest = rest << 1 | bits >> 15;
         bits <<= 1;

@@ -445,7 +445,7 @@ ramp_slowly:
     rjmp prepare
 1:  rjmp finish
 
-// A write came late: from a quarter of its interval on it is counted, and all that follows moves
+// A write came late: from a quarter of the interval on it is counted, and all that follows moves
 // (player.c: note_late).
 late:
     cbi  _SFR_IO_ADDR(GPIOR0), 7
@@ -455,9 +455,11 @@ late:
     lds  r25, player + PLAYER_CYCLES + 1
     lsr  r25
     ror  r24
+    tst  r20
+    brne 1f                         // a minor axis alone: half of it
     lsr  r25
     ror  r24
-    cp   r24, r22
+1:  cp   r24, r22
     cpc  r25, r23
     brsh 3f
     lds  r30, player + PLAYER_LATE_TICKS
@@ -567,12 +569,29 @@ fall_known:
 4:  ldi  r20, MODE_FAST_FALL
     rjmp set_timer
 
+// Up to a quarter of its interval a write may be late without more ado; of a fall's, an eighth of
+// the whole.
+.macro excuse shifts back
+    lds  r22, player + PLAYER_LATE
+    lds  r23, player + PLAYER_LATE + 1
+    lds  r24, player + PLAYER_CYCLES
+    lds  r25, player + PLAYER_CYCLES + 1
+.rept \shifts
+    lsr  r25
+    ror  r24
+.endr
+    cbi  _SFR_IO_ADDR(GPIOR0), 7
+    cp   r24, r22
+    cpc  r25, r23
+    brlo 1f
+    rjmp \back
+1:  call_c player_clocks_late
+    rjmp \back
+.endm
 late_rise:
-    call_c player_clocks_late
-    rjmp rise_counted
+    excuse 2 rise_counted
 late_fall:
-    call_c player_clocks_late
-    rjmp fallen
+    excuse 3 fallen
 slow_fall:
     call_c player_fell
     rjmp called

@@ -89,7 +89,7 @@
 #define BEAT_SIZE 30
 
 /* From the compare match to the deadline: entry, the longest lock, what is done before the wait. */
-#define EARLY_CYCLES 52
+#define EARLY_CYCLES 60
 #define EARLY_SLOW_CYCLES 170 /* where C does it */
 /* No compare match is set closer than this: it might pass while it is being set. */
 #define NEAR_CYCLES 8

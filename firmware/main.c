@@ -65,8 +65,10 @@ int main(void)
         frames_receive();
         throttle_service();
         reader_service();
+        frames_receive();
         throttle_service();
         run_service();
+        frames_receive();
         throttle_service();
         reports_service();
         frames_send();

@@ -265,6 +265,7 @@ static void add_movement(struct entry *entry, struct mover mover)
 /* Make out the next beat in which something is to be done; how long until then. */
 static uint32_t prepare_phases(void)
 {
+    line_poll();
     struct block *block = player.block;
     struct entry *entry = beat.entry;
     uint32_t wait = 0, beat_cycles = player.cycles;
@@ -384,6 +385,7 @@ static bool begin_block(void)
     uint32_t exit = player.from_rest ? 0 : block->exit_cycles;
     player.from_rest = false;
     throttle_enter(block, exit);
+    line_take();
     inputs_begin_block(block);
     return true;
 }
@@ -426,6 +428,7 @@ static bool go_on(void)
     player.last_cycles = player.cycles;
     if (!find_tick(&cycles))
         return false;
+    line_poll();
     if (is_phase_card()) {
         take_tick(cycles);
         go_to_beat(true);
@@ -472,9 +475,11 @@ static uint8_t hand_over(void)
 static uint8_t take_next(void)
 {
     uint32_t cycles;
+    line_take();
     player.last_cycles = player.cycles;
     if (!find_tick(&cycles))
         return or_stop(false);
+    line_take();
     take_tick(cycles);
     return hand_over();
 }
@@ -546,7 +551,7 @@ static uint8_t play_slowly(void)
 {
     uint16_t late = write_movements();
     inputs_examine_beat();
-    note_late(late, player.cycles);
+    note_late(late, player.beats_left ? player.cycles << 1 : player.cycles);
     if (player.beats_left) {
         player.moved |= beat.mask;
         if (player.cycles >= FAR_CYCLES) {
@@ -602,7 +607,6 @@ uint8_t player_fell(void)
 /* A write of clock lines came late: rise or fall. */
 void player_clocks_late(void)
 {
-    unwish(IS_LATE);
     note_late(player.late, player.mode == MODE_FAST_FALL ? player.cycles >> 1 : player.cycles);
 }
 

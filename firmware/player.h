@@ -13,8 +13,8 @@
  *         they have fallen). From then on the tick is in hand and will be finished.
  * Rule 4: a wait of more than FAR_CYCLES goes in hops. A brake or stop is seen at a hop, and if no
  *         beat of the tick was played, its interval is chosen anew.
- * Rule 5: a write that comes late by more than a quarter of its interval is counted, and moves all
- *         that follows: no more than that is ever caught up by a shorter interval.
+ * Rule 5: a write that comes late by more than a quarter of its interval (a minor axis alone: half)
+ *         is counted, and moves all that follows: no more is ever caught up by a shorter interval.
  * Rule 6: what the main loop owes (a piece, a block) and has not ready is waited for with the timer
  *         stopped: `starved`.
  */

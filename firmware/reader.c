@@ -260,6 +260,7 @@ static void set_minors(struct block *block, const ticks_t steps[])
     block->limit = block->ticks << 3;
     for (uint8_t motor = 0; motor < MOTORS_MAX; motor++) {
         uint8_t bit = (uint8_t)_BV(motor);
+        line_poll();
         if (!(block->moving & bit) || bit == block->leading)
             continue;
         struct minor *minor = &block->minor[count];
@@ -314,6 +315,7 @@ static void read_head(void)
         count = take_u8();
     block->ticks = take_steps(block, shape, steps);
     set_minors(block, steps);
+    line_poll();
     take_limits(law, rare);
     block->accel_q = reading.accel_q;
     block->jump_q8 = reading.jump_q8;
@@ -330,6 +332,7 @@ static void read_head(void)
     block->serial = ++reading.serial;
     block->entry_cycles = 0;
     block->exit_cycles = reading.exit_cycles;
+    line_poll();
     set_data(block);
     reading.is_ready = false;
     reading.ticks = 0;
@@ -383,6 +386,7 @@ static void read_piece(void)
     ticks_t ticks = take_ticks(shape, block);
     uint32_t interval_q8 = take_interval(shape);
     int32_t add_q8 = take_add(shape);
+    line_poll();
     reading.ticks += ticks;
     reading.goes_on_q8 = interval_q8 + (uint32_t)ticks * (uint32_t)add_q8;
     piece->end = reading.ticks;

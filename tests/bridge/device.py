@@ -27,6 +27,7 @@ from fraese.motor.bridge.codec import (
 from fraese.motor.bridge.records import Carried, Dry, carried_after, record
 from rigs.avr import board
 from rigs.avr.build import missing
+from rigs.avr.binding import SRAM_END
 from rigs.avr.simavr import Avr
 
 FIRMWARE = Path(__file__).resolve().parents[2] / "firmware"
@@ -62,7 +63,8 @@ class Device:
     """
 
     def __init__(self, session: int = SESSION, baud: int = c.DEFAULT_BAUD) -> None:
-        self.avr = Avr(image(baud))
+        self._image = image(baud)
+        self.avr = Avr(self._image)
         self.status: Status | None = None
         self.ack: Ack | None = None
         self.hello: Hello | None = None
@@ -70,7 +72,7 @@ class Device:
         self._decoder = Decoder()
         #: Cycle from which on a test looks at the writes.
         self.mark = 0
-        self._sequence = 0
+        self.sequence = 0
         self._carried = Carried()
         self.avr.run(20 * MS)
         self.avr.feed(hello(session))
@@ -99,16 +101,18 @@ class Device:
             assert self.avr.cycle < end, "it did not happen in time"
             self.run(slice_cycles)
 
-    def send(self, kind: int, payload: bytes = b"") -> None:
-        """A command, without waiting."""
-        self.avr.feed(frame(kind, self._sequence, payload))
-        self._sequence = (self._sequence + 1) & 0xFF
+    def send(self, kind: int, payload: bytes = b"", before_cycle: int = 0) -> None:
+        """A command, without waiting; as a whole on the wire at a cycle that is still to come."""
+        data = frame(kind, self.sequence, payload)
+        start = before_cycle - round(len(data) * 10 * self.avr.bit_cycles) if before_cycle else 0
+        self.avr.feed(data, at_cycle=start)
+        self.sequence = (self.sequence + 1) & 0xFF
 
     def command(self, kind: int, payload: bytes = b"") -> int:
         """A command, acknowledged; the code with which it was refused, 0 if it was not."""
-        number = self._sequence
+        number = self.sequence
         self.send(kind, payload)
-        wanted = self._sequence
+        wanted = self.sequence
         self.wait(lambda: self.ack is not None and self.ack.next_seq == wanted)
         assert self.ack is not None
         return self.ack.refused_code if self.ack.refused_seq == number else 0
@@ -170,6 +174,15 @@ class Device:
         self.status = None
         self.wait(stands, limit_ms, 20_000)
         return self.ask()
+
+    def stack_free(self) -> int:
+        """Bytes above all variables that the stack has never touched."""
+        listing = subprocess.run(
+            ["avr-nm", str(self._image)], check=True, capture_output=True, text=True
+        ).stdout
+        end = next(int(line.split()[0], 16) for line in listing.splitlines() if "_end" in line.split()[2:] )
+        memory = self.avr.peek(end & 0xFFFF, SRAM_END - (end & 0xFFFF))
+        return next((i for i, byte in enumerate(memory) if byte != memory[0]), len(memory))
 
     def accesses(self) -> board.Accesses:
         """All register writes so far, in the parallel port's terms."""
