@@ -161,6 +161,10 @@ class Spectator:
     def currents(self) -> list[tuple[float, float]]:
         return self.look().currents()
 
+    def writes(self) -> list[tuple[int, int]]:
+        """Registers and values that were written, from the first on."""
+        return [(e[1], e[2]) for e in self._log.entries(0) if e[1] in (DATA, CONTROL)]
+
     def last_write_ns(self) -> int:
         """When a register was written last."""
         return max(at_ns for at_ns, register, _ in self._log.entries(0) if register != STATUS)

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from fraese.blocks import Outputs, dwell
 from fraese.errors import PortError, StateError
 from fraese.motor.cards.smc1500 import SmcCard
 from fraese.motor.ports.null import NullPort
@@ -21,7 +22,7 @@ from fraese.motor.realtime.driver import RealtimeDriver
 from fraese.motor.realtime.setup import RealtimeOptions, Setup
 from fraese.motor.seams import Ended, IdleLevel
 from tests.motor.distantmill import ChildBench, DistantMill, Log, Spectator
-from tests.motor.workbench import line, steady
+from tests.motor.workbench import Workbench, line, steady
 
 OFF = {(0, 0)}
 ALL = frozenset({0, 1, 2})
@@ -276,6 +277,20 @@ class TestDeathOfTheHost:
         assert (report.queued, report.playing) == (0, 2)
         assert bench.carriages() == report.position_steps
         bench.remove()
+
+
+@pytest.mark.parametrize("wiring", ["smc", "x4step"])
+def test_the_child_writes_the_very_bytes_that_the_core_writes(wiring: str) -> None:
+    blocks = (line(300, -211, 7), dwell(3, 0.02), line(-50, 99, 99, outputs=Outputs(1, 1)))
+    here = Workbench(wiring, outputs=True, safe_outputs=0b10)
+    here.run(*blocks)
+    there = ChildBench(wiring, capacity=8, safe_outputs=0b10)
+    for block in blocks:
+        there.driver.push(block)
+    while there.driver.poll(0.02).running:
+        pass
+    assert there.writes() == here.writes()
+    there.remove()
 
 
 class TestCommands:
