@@ -73,6 +73,23 @@ class TestSequence:
         memory.words[shared.REPORT_SEQUENCE] += 1
         assert read(memory) is not None
 
+    def test_one_that_was_begun_is_given_up_for_a_later_one(self, memory: Memory) -> None:
+        bench = Workbench()
+        reporter = Reporter(bench.core, memory)
+        for taken in range(3):
+            bench.run_for(0.05, line(50))
+            begun = reporter.steps(1, due_ns=5)
+            for _ in range(taken + 1):
+                next(begun, None)
+            bench.run()
+            reporter.write(echo=2)
+            later = read(memory)
+            assert list(begun) == []
+            assert read(memory) == later
+            assert reporter.echo == 2
+            assert later is not None
+            assert later.report.position_steps == bench.report().position_steps
+
     def test_what_is_written_in_steps_is_seen_whole_or_not_at_all(self, memory: Memory) -> None:
         bench = Workbench()
         reporter = Reporter(bench.core, memory)

@@ -17,7 +17,7 @@ from typing import Final
 from fraese.errors import FraeseError
 from fraese.motor.core import MotorCore
 from fraese.motor.realtime.chores import Chores
-from fraese.motor.realtime.clock import RealtimeClock
+from fraese.motor.realtime.clock import Nobody, RealtimeClock
 from fraese.motor.realtime.hostline import HostLine
 from fraese.motor.realtime.memory import ENDED, FAILED, FAILED_LIVE, READY, STAGE, Memory
 from fraese.motor.realtime.meter import MeteredPort
@@ -49,6 +49,8 @@ def main(memory_fd: int, samples: int, host_fd: int = 0) -> int:
         _play(setup, core, clock, memory, host)
     except BaseException as error:
         failure = error
+    # What comes now is for the port alone.
+    clock.attendant = Nobody()
     try:
         core.close()
     except BaseException as error:

@@ -183,7 +183,7 @@ class Chores:
                 self._toggle(now_ns)
                 yield self._needs(0)
             if self.playing:
-                echo = asked if self._may_answer() else reporter.echo
+                echo = max(asked, reporter.echo) if self._may_answer() else reporter.echo
                 if echo != reporter.echo or now_ns >= self._report_at_ns:
                     busy = True
                     self._report_at_ns = now_ns + _REPORT_NS

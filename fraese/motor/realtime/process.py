@@ -86,6 +86,8 @@ class ChildProcess:
         try:
             self.memory = Memory(fd, samples)
             self._process = self._spawn(fd, samples)
+        except OSError as error:
+            raise PortError(f"The step process cannot be started: {error.strerror}.") from error
         finally:
             os.close(fd)
         assert self._process.stdin is not None

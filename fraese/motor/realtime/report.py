@@ -14,7 +14,8 @@ Rule 3: a report carries the number of the last question that it answers, and ho
         before their target: what was pushed in ignorance of such an end is not played.
 Rule 4: the child does not know what is still on its way. It says which block it has in hand, and
         the parent, which knows how many it has pushed, says how many wait.
-Rule 5: the motors run until they are at rest: a run that is just being ended still runs.
+Rule 5: a report that was begun is given up when another one is begun: the later one is true.
+Rule 6: the motors run until they are at rest: a run that is just being ended still runs.
 """
 
 import struct
@@ -85,6 +86,7 @@ class Reporter:
         self._counts = struct.Struct(f"={self._motors}q")
         self._none = (0,) * self._motors
         self._block_part: tuple[object, ...] = ()
+        self._begun = 0
         self.echo = 0
         self.generation = 0
 
@@ -95,6 +97,7 @@ class Reporter:
             echo: number of the question that is answered with it.
             due_ns: when the next edge is due.
         """
+        self._begun = number = self._begun + 1
         run, inputs = self._run, self._run.inputs
         track, generation, playing = run.track, self.generation, run.queue.serial
         way, tag, last_cycles, torn = track.way(), track.tag, track.last_cycles, track.torn
@@ -104,12 +107,16 @@ class Reporter:
         late_ticks, dry_queues = run.ticks.late_ticks, run.governor.dry_queues
         phases, cursor = self._card.phases(), way.cursor
         yield
+        if number != self._begun:
+            return
         part = (way.base_steps, way.base_travelled_steps, cursor, tag, latched)
         if part != self._block_part:
             self._block_part = part
             steps = cursor.block.steps if cursor else self._none
             self._pack_block(cursor.ticks if cursor else 1, tag, part[0], part[1], steps, latched)
             yield
+            if number != self._begun:
+                return
         flags = (
             _MAY_PLAY * may_play
             | _HELD * held
@@ -128,6 +135,8 @@ class Reporter:
         )  # fmt: skip
         self._counts.pack_into(self._buffer, _NOW_AT + _NOW.size, *phases)
         yield
+        if number != self._begun:
+            return
         self._publish()
         self.echo = echo
 
