@@ -33,7 +33,7 @@ if sys.platform != "linux":
 
 @pytest.fixture
 def bench() -> Iterator[ChildBench]:
-    bench = ChildBench("smc", capacity=8, safe_outputs=0, options=RealtimeOptions(silent_s=0.3))
+    bench = ChildBench("smc", capacity=8, safe_outputs=0)
     yield bench
     bench.remove()
 
@@ -225,14 +225,11 @@ from itertools import pairwise
 from pathlib import Path
 from fraese.motor.cards.smc1500 import SmcCard
 from fraese.motor.realtime.driver import RealtimeDriver
-from fraese.motor.realtime.setup import RealtimeOptions, Setup
+from fraese.motor.realtime.setup import Setup
 from tests.motor.distantmill import DistantMill
 from tests.motor.workbench import line
 
-driver = RealtimeDriver(
-    Setup(partial(DistantMill, Path(sys.argv[1]), "smc"), SmcCard(),
-          options=RealtimeOptions(silent_s=0.3))
-)
+driver = RealtimeDriver(Setup(partial(DistantMill, Path(sys.argv[1]), "smc"), SmcCard()))
 driver.push(line(9000))
 driver.poll(0.3)
 print(driver.pid, flush=True)
@@ -264,7 +261,7 @@ class TestDeathOfTheHost:
         assert braked(bench)
         assert bench.last_write_ns() - died_ns < 400_000_000
 
-    def test_a_host_that_hangs_is_told_when_it_comes_back(self, tmp_path: Path) -> None:
+    def test_a_host_that_hangs_is_told_when_it_comes_back(self) -> None:
         bench = ChildBench("smc", 8, 0, RealtimeOptions(silent_s=0.3))
         bench.driver.push(line(9000))
         bench.driver.poll(0.2)
