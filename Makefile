@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test check format clean
+.PHONY: run test check format clean firmware rig-avr rig-lpt
 
 run: $(READY)
 	$(BIN)/fraese
@@ -21,6 +21,17 @@ format: $(READY)
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
+# The image for the ATmega328P; needs gcc-avr, binutils-avr and avr-libc.
+firmware:
+	$(if $(wildcard firmware/Makefile),$(MAKE) -C firmware,@echo "there is no firmware/ here")
+
+# The simulated ATmega328P, into .rig-cache/; the tests build it by themselves.
+rig-avr: $(READY)
+	$(BIN)/python -m rigs.avr.build
+# The ports on a real kernel: QEMU, Debian's kernel, an emulated LPT. See rigs/lpt/README.md.
+rig-lpt: $(READY)
+	$(BIN)/python -m rigs.lpt
+
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "fraese needs Python 3.11 or newer; $(PYTHON) is " + sys.version.split()[0] + ". Name another: make PYTHON=python3.12 run")'
 	$(PYTHON) -m venv .venv
@@ -28,4 +39,4 @@ $(READY): pyproject.toml
 	@touch $@
 
 clean:
-	rm -rf .venv build *.egg-info .coverage .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf .venv .rig-cache build *.egg-info .coverage .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis

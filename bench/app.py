@@ -36,11 +36,12 @@ def child() -> None:
     """The app, with a port that tells the time of every write to the data register."""
     from unittest.mock import patch
 
-    from fraese import assembly
+    from fraese import assembly, drivers
     from fraese.config import Config
     from fraese.machine import Machine
     from fraese.motor.ports.sim import SimulatedMill
     from fraese.motor.seams import Clock
+    from fraese.simulation import simulated_mill
     from fraese.ui import FraeseApp
     from fraese.ui.programs import Program
 
@@ -49,7 +50,6 @@ def child() -> None:
 
     def telling(config: Config, machine: Machine, clock: Clock) -> SimulatedMill:
         mill = simulation(config, machine, clock)
-        assert isinstance(mill, SimulatedMill)
         write = mill.write_data
 
         def write_data(value: int) -> None:
@@ -59,8 +59,8 @@ def child() -> None:
         mill.write_data = write_data
         return mill
 
-    simulation = assembly.PORTS["simulation"]
-    with patch.dict(assembly.PORTS, {"simulation": telling}):
+    simulation = simulated_mill
+    with patch.object(drivers, "simulated_mill", telling):
         plant = assembly.assemble(Config(), clock="paced")
     FraeseApp(plant.controller, open_program=no_program).run()
 

@@ -96,6 +96,7 @@ class Ahead:
         """Let the driver play for so long, and see what it did."""
         self.report = self._driver.poll(slice_s)
         self.is_fresh = True
+        self._whereabouts.lose_reference(self.report.torn)
         self._forget_played()
         return self.report
 

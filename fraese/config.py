@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 AXIS_NAMES = ("x", "y", "z")
 _GEAR = re.compile(r"[0-9]{1,9}(\.[0-9]{1,9})?|[0-9]{1,9}/[0-9]{1,9}")
 _TOOL = re.compile(r"[0-9]{1,9}")
+_DEVICE = re.compile(r"/[^\x00-\x1f\x7f]{1,200}")
 #: Travel of an axis; the upper bound is what counters of 32 bits hold with room to spare.
 _FEWEST_STEPS = 10
 _MOST_STEPS = 1_000_000_000
@@ -177,6 +178,14 @@ class OutputsConfig(Section):
         ),
     )
 
+    heartbeat: OutputConfig | None = Field(
+        None,
+        description=(
+            "Charge pump: toggles while the step loop of a parallel port lives, for drives that"
+            " switch off without it."
+        ),
+    )
+
     def configured(self) -> list[tuple[str, OutputConfig]]:
         """Names and pins of the outputs there are; the place is the bit that a driver knows."""
         return [(name, output) for name, output in self if output is not None]
@@ -229,8 +238,53 @@ class CardConfig(Section):
 class PortConfig(Section):
     """How the registers are reached."""
 
-    kind: Literal["simulation"] = Field(
-        "simulation", description=('The simulated mill ("simulation").')
+    kind: Literal["simulation", "ppdev", "devport"] = Field(
+        "simulation",
+        description=(
+            'The simulated mill, or a parallel port: "ppdev" through its driver, "devport" by its'
+            " address (root only)."
+        ),
+    )
+    device: str = Field(
+        "/dev/parport0",
+        description='Device file of the port, for "ppdev": its full path, from the slash on.',
+    )
+    base: int = Field(
+        0x378,
+        ge=0x100,
+        le=0xFFFC,
+        multiple_of=4,
+        description=(
+            'I/O address of the data register, for "devport"; 888 is 0x378, the first port of most'
+            " machines."
+        ),
+    )
+
+    @field_validator("device")
+    @classmethod
+    def _full_path(cls, value: str) -> str:
+        if not _DEVICE.fullmatch(value):
+            raise ValueError("must be the full path of a device file, such as /dev/parport0")
+        return value
+
+
+class RealtimeConfig(Section):
+    """The process that makes the steps on a parallel port."""
+
+    core: int | None = Field(
+        None, ge=0, description="Processor that it stays on; without one, the last of several."
+    )
+    silent_s: float = Field(
+        1,
+        ge=0.2,
+        le=60,
+        description=(
+            "When it hears nothing from the program for so long while motors run, it brakes and"
+            " switches off, s."
+        ),
+    )
+    heartbeat_hz: float = Field(
+        100, gt=0, le=500, description="Periods a second of outputs.heartbeat."
     )
 
 
@@ -466,6 +520,7 @@ class Config(Section):
     axes: AxesConfig = AxesConfig()
     card: CardConfig = CardConfig()
     port: PortConfig = PortConfig()
+    realtime: RealtimeConfig = RealtimeConfig()
     outputs: OutputsConfig = OutputsConfig()
     switches: SwitchesConfig = SwitchesConfig()
     standstill: StandstillConfig = StandstillConfig()

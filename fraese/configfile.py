@@ -186,7 +186,11 @@ def _example(annotation: Any) -> str:
     """A value for a key that has none by default."""
     if choices := _literals(annotation):
         return str(choices[-1])
-    return "-2.0" if float in get_args(annotation) else "{ pin = 14, active_high = true }"
+    examples = {float: "-2.0", int: "1"}
+    return next(
+        (text for kind, text in examples.items() if kind in get_args(annotation)),
+        "{ pin = 14, active_high = true }",
+    )
 
 
 def _literals(annotation: Any) -> tuple[Any, ...]:

@@ -10,6 +10,7 @@
     │   ├── SwitchAlarm         contact where none was expected
     │   ├── HomingError         an end that is not found or does not open
     │   ├── ProbeError          a probe that touches never, or already
+    │   ├── SilenceAlarm        the program did not look after its driver in time
     │   └── PortError           the metal is not reachable
     └── Cancelled               the user stopped it                    exit 130
 
@@ -72,6 +73,10 @@ class HomingError(Alarm):
 
 class ProbeError(Alarm):
     """A probe never touched, or touched already."""
+
+
+class SilenceAlarm(Alarm):
+    """The driver heard nothing from the program while the motors ran, and braked."""
 
 
 class PortError(Alarm):

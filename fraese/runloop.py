@@ -21,10 +21,10 @@ from fraese.ahead import Ahead
 from fraese.aside import Detour
 from fraese.config import Config
 from fraese.endswitches import EndSwitches
-from fraese.errors import FraeseError, StateError
+from fraese.errors import FraeseError, PortError, SilenceAlarm, StateError
 from fraese.jobs import Job
 from fraese.log import write as log_line
-from fraese.motor.seams import Clock, IdleLevel, StepDriver
+from fraese.motor.seams import Clock, Ended, IdleLevel, StepDriver
 from fraese.runner import Runner
 from fraese.state import JobProgress, Status
 from fraese.whereabouts import Whereabouts
@@ -125,12 +125,15 @@ class RunLoop:
                 self.status = self._activate()
                 self._break_key()
                 self._show_pos()
+            self._conclude()
+            self._display()
+            self._halt_motors()
+        except PortError as error:
+            self._lose_port(error)
+            self._display()
         except BaseException as error:
             self._give_up(error)
             raise
-        self._conclude()
-        self._display()
-        self._halt_motors()
         log_line("controller", "run", "exit", f"{self.status.value} {self._whereabouts.in_words()}")
         return self.status
 
@@ -141,7 +144,7 @@ class RunLoop:
             elapsed_s: how long the caller has waited since the last call; a clock that only moves
                 when somebody waits is moved on by it.
         """
-        self._clock.wait_until(self._clock.now_ns() + round(elapsed_s * _NS_PER_S))
+        self._clock.pass_by(round(elapsed_s * _NS_PER_S))
         self._ahead.poll()
         if self._idle_at_ns is not None and self._clock.now_ns() >= self._idle_at_ns:
             self._idle_at_ns = None
@@ -216,7 +219,6 @@ class RunLoop:
 
     def _activate(self) -> Status:
         status = self.runner.activate()
-        self._whereabouts.lose_reference(self._ahead.report.torn)
         if status is Status.RUN and self.runner.waits:
             # Nothing passes the time for us: the driver has nothing to play.
             self._clock.wait_until(self._clock.now_ns() + self._slice_ns)
@@ -228,6 +230,15 @@ class RunLoop:
         self.status = Status.ERROR
         self.message = f"Stopped by an error: {error!r}."
 
+    def _lose_port(self, error: PortError) -> None:
+        """The metal went away under the job: nobody knows what the motors did last."""
+        self.runner.abandon()
+        self._whereabouts.lose_reference(range(len(self._whereabouts.machine.axes)))
+        self._idle_at_ns = None
+        self.status = Status.ERROR
+        self.error = error
+        self.message = str(error)
+
     def _conclude(self) -> None:
         """Say how the job ended."""
         if self.status is Status.CANCEL:
@@ -235,7 +246,7 @@ class RunLoop:
             if self._ahead.report.torn:
                 self.message += " Stopped without ramp: reference the axes before relying on it."
         elif self.status is Status.ERROR:
-            self.error = self.runner.failure or self._switches.alarm()
+            self.error = self.runner.failure or self._alarm()
             self.message = str(self.error)
         # Cutting ends with the job; what was cancelled or failed also leaves no spindle running.
         ended = ("laser",) if self.status is Status.OK else ("laser", "spindle", "coolant")
@@ -244,6 +255,14 @@ class RunLoop:
             self._driver.set_outputs(mask, 0)
         if self._progress is not None:
             self._progress = self._progress_now(self._progress)
+
+    def _alarm(self) -> FraeseError:
+        if self._ahead.report.ended is not Ended.SILENCE:
+            return self._switches.alarm()
+        return SilenceAlarm(
+            "The program did not look after the motors for too long; they were braked and switched"
+            f" off at {self._whereabouts.in_words()}."
+        )
 
     def _halt_motors(self) -> None:
         """HaltMotoren: current off or down, now or later."""

@@ -194,7 +194,7 @@ class Runner:
         return True
 
     def _judge(self, report: Report) -> Status:
-        if self._ahead.has_begun and report.ended is Ended.SWITCH:
+        if self._ahead.has_begun and report.ended in (Ended.SWITCH, Ended.SILENCE):
             return self._end(Status.ERROR)
         if self._stop and not report.running:
             return self._end(Status.CANCEL)

@@ -129,7 +129,8 @@ class Whereabouts:
     def lose_reference(self, motors: Iterable[int]) -> None:
         """These axes are not to be relied on."""
         lost = frozenset(motors)
-        self.referenced = tuple(old and n not in lost for n, old in enumerate(self.referenced))
+        if lost:
+            self.referenced = tuple(old and n not in lost for n, old in enumerate(self.referenced))
 
     # --- work offsets --------------------------------------------------------------------------
 

@@ -131,7 +131,7 @@ def run_program(plant: Plant, program: Program, *, from_line: int = 0) -> Status
 
 def record(plant: Plant) -> Recorder:
     """Write down everything that the card does to the port from now on."""
-    recorder = Recorder(plant.port, plant.clock)
+    recorder = Recorder(mill(plant), plant.clock)
     driver: Any = plant.controller._driver
     wires = driver._run.wires
     wires._port = recorder

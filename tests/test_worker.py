@@ -153,7 +153,7 @@ def test_close_brakes_and_switches_off() -> None:
     worker.close()
     worker.close()
     state = plant.controller.state()
-    assert not plant.port.electronics.currents(0).a_percent  # type: ignore[attr-defined]
+    assert not plant.port.electronics.currents(0).a_percent  # type: ignore[union-attr]
     assert 0 < state.position_steps[0] < 10_000
     assert not worker.submit(lambda: None)
 
@@ -172,10 +172,10 @@ def test_trouble_between_commands_is_told_once_and_the_thread_lives_on(rig: Rig)
 
 
 def test_an_error_that_waits_is_not_acknowledged_by_a_refusal(rig: Rig) -> None:
-    rig.plant.port.press(End(0, 1))  # type: ignore[attr-defined]
+    rig.plant.port.press(End(0, 1))  # type: ignore[union-attr]
     rig.worker.submit(lambda: rig.controller.move_to({"x": 1}))
     rig.wait(lambda: len(rig.refused) == 1)
-    rig.plant.port.let_go(End(0, 1))  # type: ignore[attr-defined]
+    rig.plant.port.let_go(End(0, 1))  # type: ignore[union-attr]
     rig.worker.submit(lambda: rig.controller.start("odd", failing()))
     rig.wait()
     assert rig.controller.status is Status.ERROR

@@ -1,29 +1,18 @@
-"""Blocks that wait for their turn, and whether they are enough to stop in.
+"""Blocks that wait for their turn, and how far the motors may go on if nothing more comes.
 
 Rule 1: a block that would not play as it says is refused, and nothing is taken.
-Rule 2: path energy is ``weight * rate**2``, one unit for all blocks. What braking can shed in the
-        queue is kept as a sum that changes with push and take, since it is asked for every tick.
-Rule 3: a queue with a block that ends at rest cannot run dry: the plan itself stops there.
+Rule 2: where braking must begin is known when a block is pushed; a tick only compares counts.
+Rule 3: a queue whose last block ends at rest cannot run dry: the plan itself stops there.
 Rule 4: every block has a serial number, from 1 in the order of pushing.
 """
 
 from collections import deque
-from typing import Final
 
-from fraese.blocks import CYCLES_PER_S, Q8, Block
-from fraese.motor.cursor import Cursor
-from fraese.motor.throttle import SLICE_CYCLES
-
-#: Squared rate, in (tick/s)**2 / 65536, that one tick of braking sheds per unit of ``accel_q``.
-_SHED_PER_TICK: Final = 2 * CYCLES_PER_S // 256
+from fraese.blocks import Q8, Block
+from fraese.motor.horizon import DryPoint, Horizon
 
 
-def _shed(block: Block, ticks: int) -> int:
-    """Path energy that braking can shed within so many ticks of a block."""
-    return block.weight * (block.accel_q * _SHED_PER_TICK >> 16) * ticks
-
-
-def _require_sound(block: Block, motors: int) -> None:
+def require_sound(block: Block, motors: int) -> None:
     """Refuse what would make more or fewer steps than it says, or in no time at all.
 
     Raises:
@@ -48,16 +37,16 @@ class BlockQueue:
 
     Attributes:
         serial: number of the last block that was taken or dropped.
-        resting_blocks: blocks that end at rest, waiting or in hand.
+        dry_point: where braking must begin if no further block comes; None: nowhere.
     """
 
     def __init__(self, motors: int, capacity: int) -> None:
         self._motors = motors
         self._capacity = capacity
         self._blocks: deque[Block] = deque()
-        self._shed = 0
+        self._horizon = Horizon()
         self.serial = 0
-        self.resting_blocks = 0
+        self.dry_point: DryPoint | None = None
 
     def __len__(self) -> int:
         return len(self._blocks)
@@ -73,12 +62,11 @@ class BlockQueue:
         Raises:
             ValueError: if the block cannot be played as it says.
         """
-        _require_sound(block, self._motors)
+        require_sound(block, self._motors)
         if len(self._blocks) >= self._capacity:
             return False
         self._blocks.append(block)
-        self._shed += _shed(block, block.ticks())
-        self.resting_blocks += block.ends_at_rest
+        self.dry_point = self._horizon.add(self.serial + len(self._blocks), block)
         return True
 
     def take(self) -> Block | None:
@@ -86,29 +74,24 @@ class BlockQueue:
         if not self._blocks:
             return None
         block = self._blocks.popleft()
-        self._shed -= _shed(block, block.ticks())
         self.serial += 1
         return block
-
-    def ended(self, block: Block) -> None:
-        """The block in hand was played, or was given up."""
-        self.resting_blocks -= block.ends_at_rest
 
     def drop(self) -> None:
         """Forget all that waits; the block in hand is not touched."""
         self.serial += len(self._blocks)
-        self.resting_blocks -= sum(block.ends_at_rest for block in self._blocks)
         self._blocks.clear()
-        self._shed = 0
+        self._horizon.reset()
+        self.dry_point = None
 
-    def falls_short(self, cursor: Cursor, last_cycles: int) -> bool:
-        """What is left no longer suffices to stop from the rate last played.
+    @property
+    def may_run_dry(self) -> bool:
+        """Braking must begin within the block in hand, if no further block comes."""
+        return self.dry_point is not None and self.serial >= self.dry_point.serial
 
-        Braking begins a little before it must: the throttle may be within a slice just now.
-        """
-        block = cursor.block
-        rate_hz = CYCLES_PER_S // last_cycles
-        jump_hz = block.jump_rate_q8 >> 8
-        reserve = SLICE_CYCLES // last_cycles + 2
-        left = max(0, cursor.ticks - cursor.done - reserve)
-        return block.weight * (rate_hz**2 - jump_hz**2) > _shed(block, left) + self._shed
+    def is_dry(self, ticks_done: int) -> bool:
+        """So far into the block in hand, braking must begin if no further block comes."""
+        point = self.dry_point
+        if point is None or self.serial < point.serial:
+            return False
+        return self.serial > point.serial or ticks_done >= point.ticks_done

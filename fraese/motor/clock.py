@@ -37,6 +37,9 @@ class MonotonicClock:
             now = time.monotonic_ns()
         return now
 
+    def pass_by(self, elapsed_ns: int) -> None:
+        """It has moved by itself."""
+
 
 class VirtualClock:
     """Time that passes only when somebody waits for it."""
@@ -53,6 +56,10 @@ class VirtualClock:
         if deadline_ns > self._now_ns:
             self._now_ns = deadline_ns
         return self._now_ns
+
+    def pass_by(self, elapsed_ns: int) -> None:
+        """Move on by so much."""
+        self.wait_until(self._now_ns + elapsed_ns)
 
 
 class PacedClock(VirtualClock):

@@ -1,13 +1,13 @@
 """Which interval comes next: the plan's, or the throttle's where that is longer.
 
 Rule 1: nothing changes path or plan. Brake, hold, resume and a dry queue work the throttle.
-Rule 2: it closes on a brake, and when what is queued no longer suffices to stop from the present
-        rate; it opens on resume, and when blocks come that it was closed for want of.
+Rule 2: it closes on a brake, and at the dry point, from which on what is queued would no longer
+        suffice to stop; it opens on resume, and when blocks come that it was closed for want of.
         A feed override that was lowered after a block was planned is a ceiling for that block.
 Rule 3: an interval that was waited for, but not to its end, is chosen anew only if the throttle
         closes meanwhile: at a low rate it may be a long one.
-Rule 4: where the throttle is open and the queue cannot run dry, it is calm: the ticks are played
-        without asking here.
+Rule 4: where the throttle is open and the queue cannot run dry within the block in hand, it is
+        calm: the ticks are played without asking here.
 """
 
 from typing import Final
@@ -17,11 +17,12 @@ from fraese.motor.cursor import Cursor
 from fraese.motor.requests import Requests
 from fraese.motor.seams import Ended
 from fraese.motor.throttle import Throttle, ThrottleState
-from fraese.motor.track import Track, is_above_jump
+from fraese.motor.track import Track
 from fraese.motor.wires import Wires
 
 _OPEN: Final = ThrottleState.OPEN
 _CLOSING_OR_HELD: Final = (ThrottleState.CLOSING, ThrottleState.HELD)
+_MOVING: Final = (ThrottleState.CLOSING, ThrottleState.OPENING, ThrottleState.LIMITED)
 
 #: Instead of an interval.
 NO_TICK: Final = -1
@@ -72,18 +73,17 @@ class Governor:
     def enter(self, cursor: Cursor) -> None:
         """A block begins: its limits, and the rate scaled to its own."""
         if cursor.leader_bit:
-            block = cursor.block
             self._throttle.junction(self._exit_cycles, cursor.entry_cycles)
-            self._throttle.block(block.accel_q, block.jump_rate_q8)
+            self._throttle.block(cursor.block.accel_q, cursor.jump_rate_q8, cursor.jump_cycles)
             from_rest = self._throttle.state is _OPEN and not self._exit_cycles
-            if from_rest and is_above_jump(block.jump_rate_q8, cursor.entry_cycles):
+            if from_rest and cursor.is_above_jump(cursor.entry_cycles):
                 # The plan begins at speed, but what came before it was late or dropped.
                 self._throttle.hold()
                 self._open()
         else:
             self._throttle.dwell()
         self._top_rate_q8 = 0
-        if not self._queue.resting_blocks or self._is_limited(cursor):
+        if self._queue.may_run_dry or self._is_limited(cursor):
             self._requests.calm = False
 
     def _is_limited(self, cursor: Cursor) -> bool:
@@ -122,7 +122,8 @@ class Governor:
         if requests.stop_wanted:
             return NO_TICK
         state = throttle.state
-        throttle.ceiling_q8 = self._ceiling_q8(cursor)
+        if state in _MOVING and last_cycles and not self.awaited_cycles:
+            throttle.advance(last_cycles, cursor.ticks - cursor.done)
         if requests.brake_wanted:
             requests.brake_wanted = self._dry = False
             self._close()
@@ -133,12 +134,14 @@ class Governor:
         if self.awaited_cycles:
             cycles, self.awaited_cycles = self.awaited_cycles, 0
             return cycles
+        if self._is_limited(cursor) or throttle.ceiling_q8:
+            throttle.mind_ceiling(self._ceiling_q8(cursor), last_cycles)
         cycles = plan_cycles
-        if throttle.state is not _OPEN or throttle.ceiling_q8:
+        if throttle.state is not _OPEN:
             cycles = throttle.interval(plan_cycles, last_cycles)
         if throttle.state is not state and cycles >= 0:
             self.show_ramp(cursor)
-        requests.be_calm(throttle.state is _OPEN and self._queue.resting_blocks > 0)
+        requests.be_calm(throttle.state is _OPEN and not self._queue.may_run_dry)
         return cycles
 
     def show_ramp(self, cursor: Cursor) -> None:
@@ -146,10 +149,9 @@ class Governor:
         self._wires.signal_ramp(self._throttle.state is not _OPEN or bool(cursor.add_q8))
 
     def _runs_dry(self, cursor: Cursor, last_cycles: int) -> bool:
-        queue = self._queue
-        if queue.resting_blocks or not last_cycles or self._throttle.state in _CLOSING_OR_HELD:
+        if not last_cycles or self._throttle.state in _CLOSING_OR_HELD:
             return False
-        return queue.falls_short(cursor, last_cycles)
+        return self._queue.is_dry(cursor.done)
 
     def _close(self) -> None:
         self._throttle.close(self._track.last_cycles)

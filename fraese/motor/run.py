@@ -82,7 +82,7 @@ class Run:
         """Act on what is wanted, then play for at most that long."""
         if self.standing:
             self.governor.hold_if_wanted()
-        if self.requests.stop_wanted:
+        if self.requests.stop_wanted and not self.ticks.in_mid_tick:
             self.finish(self.requests.stop_reason)
         elif self.may_play:
             self._play(self._clock.now_ns() + round(budget_s * _NS_PER_S))
@@ -144,6 +144,8 @@ class Run:
 
     def _act(self) -> None:
         """The block is not done: was that for a reason, or is only the time up?"""
+        if self.ticks.in_mid_tick:
+            return
         if self.requests.stop_wanted:
             self.finish(self.requests.stop_reason)
         elif self.governor.held and self.requests.drop_when_still:
@@ -158,7 +160,6 @@ class Run:
         self.track.end(nothing_follows=not self.queue)
         self.reactions.end()
         self.governor.leave(cursor)
-        self.queue.ended(cursor.block)
 
     def _rest(self) -> None:
         """Clock lines low, ACTIVE and BOOST low, outputs that must be safe off; no time runs."""

@@ -64,6 +64,9 @@ class Clock(Protocol):
     def wait_until(self, deadline_ns: int) -> int:
         """Return at the deadline or after it, with the time then; at once if it has passed."""
 
+    def pass_by(self, elapsed_ns: int) -> None:
+        """Somebody has waited so long without this clock; where time only moves here, it does."""
+
 
 class IdleLevel(Enum):
     """Current at standstill."""
@@ -84,6 +87,8 @@ class Card(Protocol):
     setup_cycles: int
     #: A falling edge comes half an interval after its rising edge, but not earlier than this.
     pulse_cycles: int
+    #: The shortest beat into which a tick may be divided; 0: a tick is not divided.
+    beat_cycles: int
 
     @property
     def fall(self) -> Entries:
@@ -93,7 +98,13 @@ class Card(Protocol):
         """Take the directions (-1, 0, +1) and leader of a block; what must be set up before."""
 
     def tick(self, moving: int) -> Entries:
-        """The motors in the bit mask make one step each, in the block's directions."""
+        """What makes the motors in the bit mask step once, in the block's directions.
+
+        Nothing has happened yet: asked again, it is the same.
+        """
+
+    def stepped(self, moving: int) -> None:
+        """That was written: the motors in the bit mask have made their step."""
 
     def signals(self, active: bool, boost: bool) -> Entries:
         """Tell the drives that motors run, and that they are in a ramp; only what changes."""
@@ -136,7 +147,7 @@ class Ended(Enum):
     STOP = "stop"
     #: ``flush()`` after a hold.
     FLUSH = "flush"
-    #: The host was silent: braked, dropped and switched off.
+    #: The host was silent while the motors ran: braked, dropped, switched off.
     SILENCE = "silence"
 
 

@@ -8,22 +8,34 @@ One tick, and what may come between two:
        | readings      | signals for the next    |
        |<---- interval of the plan, or longer -->|
 
-Rule 1: the leader steps on every tick, the others where Bresenham says; every step of every motor
-        is made exactly once.
+A long interval is divided into 2, 4 or 8 beats, so that minor axes step more evenly:
+
+    ---edge----beat----beat----beat----beat----beat----beat----beat----edge---
+                         | a minor               | another             | leader
+
+Rule 1: the leader steps on every tick, in its last beat, the others where Bresenham says; every
+        step of every motor is made exactly once.
 Rule 2: a tick in hand is finished. Stop, contact and brake act before the next one.
-Rule 3: times are cycles since ``base_ns``. A tick that comes late moves the base, and so all that
-        follows: the interval after it is never shortened to catch up, since the motor could not
-        follow. It is counted.
+Rule 3: times are cycles since ``base_ns``. A tick that comes late by more than a quarter of its
+        interval is counted and moves the base, and so all that follows: what is lost is never
+        caught up. Less than that is: the motor feels it as a quarter of a step, no more.
 Rule 4: before an edge the clock lines have been low for as long as a pulse, and the directions
         have stood for as long as the card wants. That may make an interval longer, never a pulse.
+Rule 5: what will be written is made out before the wait, and counted after it: at the deadline
+        only the writes remain.
 """
 
-from fraese.motor.cursor import Cursor
+from typing import Final
+
+from fraese.motor.cursor import Cursor, divisions
 from fraese.motor.governor import Governor
 from fraese.motor.requests import Requests
 from fraese.motor.seams import Card, Clock
 from fraese.motor.track import Track
 from fraese.motor.wires import Wires
+
+#: No interval is as long as this.
+_NEVER_CYCLES: Final = 1 << 62
 
 
 class Ticks:
@@ -54,6 +66,13 @@ class Ticks:
         self._fall_at_cycles = 0
         self._fell_cycles = 0
         self._not_before_cycles = 0
+        self._divided_from_cycles = 2 * card.beat_cycles or _NEVER_CYCLES
+
+    @property
+    def in_mid_tick(self) -> bool:
+        """A beat of the tick in hand was played, others are to follow."""
+        cursor = self._track.cursor
+        return cursor is not None and cursor.beats_cycles > 0
 
     def start(self) -> None:
         """Time starts now."""
@@ -103,54 +122,56 @@ class Ticks:
         costs.
         """
         track, governor, requests, wires = self._track, self._governor, self._requests, self._wires
-        access, tick, wait_until = wires.access, self._card.tick, self._clock.wait_until
+        access, wait_until = wires.access, self._clock.wait_until
+        tick, stepped = self._card.tick, self._card.stepped
         has_fall, pulse_cycles = bool(self._card.fall), self._card.pulse_cycles
-        leader_bit, minors, ticks = cursor.leader_bit, cursor.minors, cursor.ticks
+        leader_bit = cursor.leader_bit
+        divided_from = self._divided_from_cycles if cursor.minors else _NEVER_CYCLES
         interval_q8, add_q8 = cursor.interval_q8, cursor.add_q8
-        done, left = cursor.done, cursor.piece_left
+        left = cursor.piece_left
         due, base_ns, not_before = self._due_cycles, self._base_ns, self._not_before_cycles
-        outputs = cursor.outputs
         try:
             while left:
                 if has_fall and self._fall_at_cycles:
                     if not self._fall(end_ns):
                         break
                     base_ns = self._base_ns
-                if requests.calm:
+                moving = cursor.moving or cursor.settle()
+                if cursor.beats_cycles:
+                    cycles = cursor.beats_cycles
+                elif requests.calm:
                     cycles = interval_q8 >> 8
                 else:
                     cycles = governor.interval(cursor, interval_q8 >> 8)
                     if cycles < 0:
                         break
+                if cycles >= divided_from and moving != leader_bit:
+                    if not self._play_beats(cursor, due, cycles, end_ns):
+                        break
+                    base_ns, moving = self._base_ns, moving & ~cursor.moved
                 next_due = due + cycles
                 if next_due < not_before:
                     next_due = not_before
+                entries = tick(moving)
                 deadline_ns = base_ns + (next_due * 125 >> 1)
                 if deadline_ns > end_ns:
-                    if not requests.calm:
+                    if not requests.calm and not cursor.beats_cycles:
                         governor.awaited_cycles = cycles
                     wait_until(end_ns)
                     break
                 now_ns = wait_until(deadline_ns)
-                if now_ns > deadline_ns:
+                track.last_cycles = next_due - due
+                if cursor.outputs:
+                    self._change_outputs(cursor)
+                    entries = tick(moving)
+                for register, value in entries:
+                    access[register](value)
+                if now_ns - deadline_ns << 3 > cycles * 125:
                     base_ns += self._late(now_ns - deadline_ns, next_due - due)
                     self._base_ns = base_ns
-                track.last_cycles = next_due - due
                 due = next_due
-                moving = leader_bit
-                for minor in minors:
-                    accumulator = minor[0] + minor[1]
-                    if accumulator >= ticks:
-                        accumulator -= ticks
-                        moving |= minor[2]
-                    minor[0] = accumulator
-                if outputs:
-                    wires.set_outputs(*outputs)
-                    outputs = None
-                for register, value in tick(moving):
-                    access[register](value)
-                done += 1
-                cursor.done = done
+                stepped(moving)
+                cursor.made()
                 left -= 1
                 interval_q8 += add_q8
                 if has_fall:
@@ -159,11 +180,45 @@ class Ticks:
                     not_before = self._fall_at_cycles + pulse_cycles
         finally:
             # Also on the way out of an interrupt: what was played must not be played again.
-            cursor.interval_q8, cursor.piece_left, cursor.outputs = interval_q8, left, outputs
+            cursor.interval_q8, cursor.piece_left = interval_q8, left
             self._due_cycles, self._base_ns, self._not_before_cycles = due, base_ns, not_before
 
+    def _play_beats(self, cursor: Cursor, due: int, cycles: int, end_ns: int) -> bool:
+        """The beats of a tick before its last; False: the time is up."""
+        exponent = divisions(cycles, self._card.beat_cycles)
+        beat_cycles = cycles >> exponent
+        if not cursor.beats_cycles:
+            cursor.divide(exponent)
+        card, wires = self._card, self._wires
+        while cursor.beats:
+            beat, moving = cursor.beats[0]
+            entries = card.tick(moving)
+            deadline_ns = self._at_ns(due + beat * beat_cycles)
+            if deadline_ns > end_ns:
+                if not self._requests.calm and not cursor.beats_cycles:
+                    self._governor.awaited_cycles = cycles
+                self._clock.wait_until(end_ns)
+                return False
+            now_ns = self._clock.wait_until(deadline_ns)
+            if cursor.outputs:
+                self._change_outputs(cursor)
+                entries = card.tick(moving)
+            cursor.beats_cycles, cursor.moving_now = cycles, moving
+            wires.write(entries)
+            self._base_ns += self._late(now_ns - deadline_ns, beat_cycles)
+            card.stepped(moving)
+            cursor.moved |= moving
+            del cursor.beats[0]
+        cursor.moving_now = ~cursor.moved
+        return True
+
+    def _change_outputs(self, cursor: Cursor) -> None:
+        if cursor.outputs:
+            self._wires.set_outputs(*cursor.outputs)
+            cursor.outputs = None
+
     def _late(self, late_ns: int, cycles: int) -> int:
-        """How far to move all that follows: an edge later than a quarter of its interval."""
+        """How far to move all that follows, for an edge that came so late in its interval."""
         if late_ns * 8 <= cycles * 125:
             return 0
         self.late_ticks += 1
@@ -177,8 +232,7 @@ class Ticks:
             self._clock.wait_until(end_ns)
             return False
         now_ns = self._clock.wait_until(deadline_ns)
-        if now_ns > deadline_ns:
-            self._base_ns += self._late(now_ns - deadline_ns, self._track.last_cycles >> 1)
+        self._base_ns += self._late(now_ns - deadline_ns, self._track.last_cycles >> 1)
         self._fall_at_cycles = 0
         self._fell_cycles = fall_cycles
         self._wires.write(self._card.fall)

@@ -10,7 +10,7 @@ Rule 3: motors whose last tick was faster than their start/stop rate are torn: t
 
 from typing import Final, NamedTuple
 
-from fraese.blocks import CYCLES_PER_S, RATE_Q8_CYCLES, Block
+from fraese.blocks import CYCLES_PER_S, Block
 from fraese.motor.cursor import Cursor
 
 #: The motor argument of a reading that belongs to no tick.
@@ -18,41 +18,21 @@ BETWEEN_TICKS: Final = -2
 
 
 class Way(NamedTuple):
-    """The way up to a moment: taken in no time, calculated when there is time.
+    """The way up to a moment: taken in no time, to be calculated when there is time.
 
     Attributes:
         base_steps: signed counts of the blocks before.
         base_travelled_steps: the same, both directions added.
         cursor: the block in hand.
         done: its ticks.
+        moved: motors that have made their step of the tick in hand already.
     """
 
     base_steps: tuple[int, ...]
     base_travelled_steps: tuple[int, ...]
     cursor: Cursor | None
     done: int
-
-    def position_steps(self) -> tuple[int, ...]:
-        """Signed count of every motor."""
-        if self.cursor is None:
-            return self.base_steps
-        moved = self.cursor.steps_at(self.done)
-        return tuple(a + b for a, b in zip(self.base_steps, moved, strict=True))
-
-    def travelled_steps(self) -> tuple[int, ...]:
-        """The count of every motor, both directions added."""
-        if self.cursor is None:
-            return self.base_travelled_steps
-        moved = self.cursor.steps_at(self.done)
-        return tuple(a + abs(b) for a, b in zip(self.base_travelled_steps, moved, strict=True))
-
-
-def is_above_jump(jump_rate_q8: int, cycles: int) -> bool:
-    """An interval is shorter than that of a start/stop rate, or nothing.
-
-    Intervals are cut to whole cycles: a sixteenth covers that.
-    """
-    return not cycles or RATE_Q8_CYCLES // cycles > jump_rate_q8 + (jump_rate_q8 >> 4)
+    moved: int
 
 
 class Track:
@@ -107,29 +87,29 @@ class Track:
         """The rate last played is one that the motors cannot stop from without a ramp."""
         if not self.last_cycles or not cursor.leader_bit:
             return False
-        return is_above_jump(cursor.block.jump_rate_q8, self.last_cycles)
+        return cursor.is_above_jump(self.last_cycles)
 
     def position_steps(self, motor: int = BETWEEN_TICKS) -> tuple[int, ...]:
         """Signed count of every motor, after ``motor`` has made its step of the present tick."""
         cursor = self.cursor
         if cursor is None:
             return self._base_steps
-        moved = (
-            cursor.steps_at(cursor.done)
-            if motor == BETWEEN_TICKS
-            else cursor.steps_within_tick(motor)
-        )
+        moved = cursor.steps_now() if motor == BETWEEN_TICKS else cursor.steps_within_beat(motor)
         return tuple(a + b for a, b in zip(self._base_steps, moved, strict=True))
 
     def travelled_steps(self) -> tuple[int, ...]:
         """The count of every motor, both directions added."""
-        return self.way().travelled_steps()
+        cursor = self.cursor
+        if cursor is None:
+            return self._travelled_steps
+        moved = cursor.steps_now()
+        return tuple(a + abs(b) for a, b in zip(self._travelled_steps, moved, strict=True))
 
     def way(self) -> Way:
         """The way so far, for somebody who has no time to calculate it just now."""
         cursor = self.cursor
-        done = cursor.done if cursor is not None else 0
-        return Way(self._base_steps, self._travelled_steps, cursor, done)
+        done, moved = (cursor.done, cursor.moved) if cursor is not None else (0, 0)
+        return Way(self._base_steps, self._travelled_steps, cursor, done, moved)
 
     def rate_hz(self) -> float:
         """Ticks per second of the leader; 0 at standstill and in a dwell."""

@@ -7,7 +7,7 @@ along the path become those of the leader by one factor.
 import math
 from typing import Final
 
-from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece
+from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece, few_bits
 from fraese.machine import Machine
 from fraese.planner.ramps import interval_q8, time_law
 from fraese.planner.segments import UNLIMITED, Segment
@@ -73,8 +73,8 @@ class BlockMaker:
             (
                 steps,
                 pieces,
-                int(twice_mm_s2 * per_mm / 2 * _ACCEL_Q + 0.5) or 1,
-                int(start_hz * Q8 + 0.5),
+                few_bits(int(twice_mm_s2 * per_mm / 2 * _ACCEL_Q + 0.5)) or 1,
+                few_bits(int(start_hz * Q8 + 0.5)),
                 int(WEIGHT_PER_MM2 / (per_mm * per_mm) + 0.5) or 1,
                 pieces[-1].last_interval_q8() * start_hz * _SAME >= CYCLES_PER_S * Q8,
                 segment.watch,

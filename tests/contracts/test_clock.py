@@ -1,5 +1,6 @@
 """The Clock seam: one suite, every peer."""
 
+import time
 from collections.abc import Callable
 
 import pytest
@@ -46,3 +47,9 @@ class TestClockContract:
     def test_time_is_whole_nanoseconds(self, clock: Clock) -> None:
         assert type(clock.now_ns()) is int
         assert type(clock.wait_until(clock.now_ns() + 1)) is int
+
+    def test_time_that_others_waited_has_passed_here_too(self, clock: Clock) -> None:
+        since_ns = clock.now_ns()
+        time.sleep(WAIT_NS / 1e9)
+        clock.pass_by(WAIT_NS)
+        assert clock.now_ns() >= since_ns + WAIT_NS

@@ -13,6 +13,8 @@ from fraese.blocks import (
     Piece,
     accel_q_from_hz_s,
     dwell,
+    few_bits,
+    first_accumulator,
     leader_of,
     rate_q8_from_hz,
     steps_done,
@@ -49,7 +51,7 @@ class TestBresenham:
     @given(ticks=st.integers(1, 2000), data=st.data())
     def test_closed_form_and_running_sum_agree(self, ticks: int, data: st.DataObject) -> None:
         total = data.draw(st.integers(0, ticks))
-        accumulator, made = ticks // 2, 0
+        accumulator, made = first_accumulator(total, ticks), 0
         for done in range(ticks + 1):
             assert steps_done(total, ticks, done) == made
             accumulator += total
@@ -58,12 +60,16 @@ class TestBresenham:
                 made += 1
 
     @given(ticks=st.integers(1, 2000), data=st.data())
-    def test_never_more_than_half_a_step_from_the_line(
-        self, ticks: int, data: st.DataObject
-    ) -> None:
+    def test_never_more_than_a_step_from_the_line(self, ticks: int, data: st.DataObject) -> None:
+        """Half a step, and as much as the leader is behind while its own step is to come."""
         total = data.draw(st.integers(0, ticks))
         for done in range(ticks + 1):
-            assert abs(steps_done(total, ticks, done) - done * total / ticks) <= 0.5
+            behind = done * total / ticks - steps_done(total, ticks, done)
+            assert -0.5 <= behind <= 1
+
+    @given(st.integers(1, 2000))
+    def test_an_equal_axis_steps_with_the_leader(self, ticks: int) -> None:
+        assert [steps_done(ticks, ticks, done) for done in range(ticks + 1)] == [*range(ticks + 1)]
 
     @given(st.lists(st.integers(-300, 300), min_size=1, max_size=4).filter(any))
     def test_cursor_ends_where_the_block_says(self, steps: list[int]) -> None:
@@ -79,9 +85,10 @@ class TestBresenham:
         for done in range(cursor.ticks):
             cursor.done = done
             before, after = cursor.steps_at(cursor.done), cursor.steps_at(cursor.done + 1)
-            assert cursor.steps_within_tick(EVERY_MOTOR) == after
+            cursor.moving = sum(1 << m for m in order if before[m] != after[m])
+            assert cursor.steps_within_beat(EVERY_MOTOR) == after
             for place, last in enumerate(order):
-                now = cursor.steps_within_tick(last)
+                now = cursor.steps_within_beat(last)
                 assert all(now[m] == after[m] for m in order[: place + 1])
                 assert all(now[m] == before[m] for m in order[place + 1 :])
 
@@ -110,7 +117,15 @@ def test_integers_of_rates() -> None:
     assert rate_q8_from_hz(1000) == RATE_Q8_CYCLES // (CYCLES_PER_S // 1000)
     assert accel_q_from_hz_s(0) == 1
     per_ms = accel_q_from_hz_s(50_000) * 16_000 >> 16
-    assert per_ms == pytest.approx(rate_q8_from_hz(50), rel=1e-3)
+    assert per_ms == pytest.approx(rate_q8_from_hz(50), rel=1 / 128)
+
+
+@given(st.integers(0, 2**40))
+def test_a_limit_of_few_bits_is_a_little_lower(value: int) -> None:
+    short = few_bits(value)
+    assert short <= value < short * (1 + 1 / 127) + 1
+    assert len(bin(short).rstrip("0b")) <= 8 + 2
+    assert few_bits(short) == short
 
 
 def test_a_block_knows_its_length() -> None:

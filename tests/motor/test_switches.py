@@ -222,14 +222,14 @@ class TestWatch:
 
     def test_brake_holds_and_keeps_the_queue(self) -> None:
         bench = near("x", 1, steps=1000)
-        report = bench.run(line(1300, watch=CLOSED._replace(action=WatchAction.BRAKE)))
+        report = bench.run(line(1500, watch=CLOSED._replace(action=WatchAction.BRAKE)))
         assert report.held
         assert report.queued == 1
         assert report.latched_steps == (1000, 0, 0)
         bench.core.resume()
         report = bench.run()
         assert report.ended is Ended.TARGET
-        assert report.position_steps[0] == 1300
+        assert report.position_steps[0] == 1500
 
     def test_backing_off_ignores_the_switch_until_it_opens(self) -> None:
         bench = near("x", 1)

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fraese.blocks import Block, Outputs, Piece, dwell
+from fraese.blocks import RATE_Q8_CYCLES, Block, Outputs, Piece, dwell, steps_done
 from fraese.errors import StateError
+from fraese.motor.cursor import Cursor
 from fraese.motor.seams import DATA, Ended, Report
 from fraese.motor.throttle import Throttle, ThrottleState
 from tests.motor.workbench import (
@@ -120,7 +121,8 @@ class TestBrake:
         speeds = rates_hz[: first - 1] + [2 * rate for rate in rates_hz[first:]]
         changes = [b - a for a, b in itertools.pairwise(speeds)]
         assert max(changes) < 3
-        assert min(changes) > -2 * SLICE_HZ
+        # A move that falls on the junction is made after it, with the time of both.
+        assert min(changes) > -3 * SLICE_HZ
         assert JUMP_HZ * 0.9 < speeds[-1] < JUMP_HZ * 1.1
 
     def test_at_standstill_it_holds_what_comes(self) -> None:
@@ -253,7 +255,10 @@ class TestResumeFlushStop:
         bench.core.stop()
         report = bench.run()
         assert report.ended is Ended.STOP
-        assert report.position_steps == moving.position_steps
+        # The tick in hand is finished: the leader's step may still be to come, a minor's not.
+        leader = report.position_steps[0]
+        assert 0 <= leader - moving.position_steps[0] <= 1
+        assert report.position_steps == (leader, steps_done(333, 1000, leader), 0)
         assert bool(report.torn) == (moving.rate_hz > JUMP_HZ * 1.0625)
         if report.torn:
             assert report.torn == {0, 1}
@@ -410,15 +415,16 @@ class TestBudgets:
 
 class TestThrottleAlone:
     def test_a_start_stop_rate_of_nothing_does_not_take_minutes(self) -> None:
+        creeping = Cursor(steady(10, jump_hz=0)._replace(accel_q=43_000))
         throttle = Throttle()
-        throttle.block(accel_q=43_000, jump_rate_q8=0)
+        throttle.block(43_000, creeping.jump_rate_q8, creeping.jump_cycles)
         throttle.hold()
         throttle.open()
         assert throttle.interval(0, 0) < 16_000_000 // 10
 
     @given(
         accel_q=st.integers(1, 2**20),
-        jump_q8=st.integers(0, 2**21),
+        jump_q8=st.integers(1, 2**21),
         plans=st.lists(st.integers(100, 200_000), min_size=1, max_size=60),
         entry=st.integers(0, 200_000),
     )
@@ -426,7 +432,7 @@ class TestThrottleAlone:
         self, accel_q: int, jump_q8: int, plans: list[int], entry: int
     ) -> None:
         throttle = Throttle()
-        throttle.block(accel_q, jump_q8)
+        throttle.block(accel_q, jump_q8, RATE_Q8_CYCLES // jump_q8)
         last = 0
         for index, plan in enumerate(plans):
             if index % 7 == 3:
@@ -435,6 +441,9 @@ class TestThrottleAlone:
                 throttle.junction(last, entry)
             if index % 11 == 9:
                 throttle.open()
+            if last:
+                throttle.advance(last, len(plans) - index)
+            throttle.mind_ceiling(2**19 if index % 13 > 6 else 0, last)
             cycles = throttle.interval(plan, last)
             if cycles < 0:
                 assert throttle.state is ThrottleState.HELD

@@ -11,6 +11,7 @@ from fraese.motor.realtime.clock import (
     BREAK_NS,
     FORCE_NS,
     NAP_NS,
+    NO_BREAK_NS,
     ROOM_NS,
     SPIN_NS,
     Interrupted,
@@ -35,10 +36,10 @@ class Helper:
     def has_wish(self) -> bool:
         return self.wish_at_ns is not None and self.time.now >= self.wish_at_ns
 
-    def take_wishes(self) -> bool:
+    def take_wishes(self) -> int:
         self.taken_ns.append(self.time.now)
         self.wish_at_ns = None
-        return self.may_break
+        return BREAK_NS if self.may_break else NO_BREAK_NS
 
     def chore(self) -> bool:
         self.begun_ns.append(self.time.now)

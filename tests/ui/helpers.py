@@ -10,9 +10,10 @@ from typing import Any
 
 from textual.pilot import Pilot
 
-from fraese.assembly import ClockName, Plant, assemble
+from fraese.assembly import Plant, assemble
 from fraese.config import Config
 from fraese.controller import Controller
+from fraese.drivers import ClockName
 from fraese.errors import ProgramError
 from fraese.jobs import Job
 from fraese.motor.ports.sim import SimulatedMill

@@ -44,6 +44,8 @@ class SmcCard:
 
     setup_cycles = 0
     pulse_cycles = 0
+    #: 20 us: one movement by a microcontroller of 16 MHz, with its counting.
+    beat_cycles = 320
     fall = NOTHING
 
     def __init__(
@@ -61,6 +63,7 @@ class SmcCard:
         self._lines = ControlLines(0, outputs)
         self._index = [0] * motors
         self._directions = [0] * motors
+        self._next = [0] * motors
         self._orders = _orders(motors)
         self._order = self._orders[0]
         self._run = self._columns()
@@ -91,18 +94,33 @@ class SmcCard:
         """Nothing to set up: the direction is the order of the table."""
         self._directions[:] = directions
         self._order = self._orders[leader]
+        self._look_ahead()
         return NOTHING
+
+    def _look_ahead(self) -> None:
+        length = len(self._table)
+        self._next[:] = [
+            (index + direction) % length
+            for index, direction in zip(self._index, self._directions, strict=True)
+        ]
 
     def tick(self, moving: int) -> Entries:
         """Data, strobe set, strobe clear, reading; for each moving motor."""
         if not moving:
             return READING
+        run, following = self._run, self._next
         entries = NOTHING
         for motor in self._order[moving]:
-            column = self._run[motor]
-            at = self._index[motor] = (self._index[motor] + self._directions[motor]) % len(column)
-            entries = entries + column[at] if entries else column[at]
+            movement = run[motor][following[motor]]
+            entries = entries + movement if entries else movement
         return entries
+
+    def stepped(self, moving: int) -> None:
+        """The phase indices follow."""
+        index, following = self._index, self._next
+        for motor in self._order[moving]:
+            at = index[motor] = following[motor]
+            following[motor] = (at + self._directions[motor]) % len(self._table)
 
     def signals(self, active: bool, boost: bool) -> Entries:
         """The card has no such lines."""
@@ -134,3 +152,4 @@ class SmcCard:
     def set_phases(self, phases: Sequence[int]) -> None:
         """Take up indices that were kept."""
         self._index[:] = [phase % len(self._table) for phase in phases]
+        self._look_ahead()

@@ -50,6 +50,9 @@ class StepDirCard:
         motors: 1 to 4.
     """
 
+    #: All pulses have the leader's length, so a tick is not divided.
+    beat_cycles = 0
+
     def __init__(
         self,
         profile: StepDirProfile = STEPDIR_PROFILES["x4step"],
@@ -103,10 +106,13 @@ class StepDirCard:
 
     def tick(self, moving: int) -> Entries:
         """All clocks of the tick rise in one byte; one reading."""
+        return self._rises[moving]
+
+    def stepped(self, moving: int) -> None:
+        """The counts follow."""
         for motor, direction in enumerate(self._directions):
             if moving >> motor & 1:
                 self._count[motor] += direction
-        return self._rises[moving]
 
     def signals(self, active: bool, boost: bool) -> Entries:
         """ACTIVE while any motor runs, BOOST in ramps."""

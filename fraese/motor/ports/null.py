@@ -1,23 +1,23 @@
-"""A port that leads nowhere: for measuring what the steps cost without it."""
+"""A port with nothing on it: for measuring what a driver costs by itself."""
 
 from typing import Final
 
-#: All inputs at rest: bits 3 to 7 read 1.
-_INPUTS_AT_REST: Final = 0xF8
+#: All inputs at rest, bits 3 to 7.
+_AT_REST: Final = 0xF8
 
 
 class NullPort:
-    """Takes every write; its inputs are at rest."""
+    """Takes every write; no input ever changes."""
 
     def write_data(self, value: int) -> None:
-        """Nowhere."""
+        """Goes nowhere."""
 
     def write_control(self, value: int) -> None:
-        """Nowhere."""
+        """Goes nowhere."""
 
     def read_status(self) -> int:
-        """At rest."""
-        return _INPUTS_AT_REST
+        """All inputs at rest."""
+        return _AT_REST
 
     def close(self) -> None:
         """Nothing to give back."""

@@ -9,7 +9,9 @@ Rule 2: a question is answered when all that was asked for before it has been ta
         have been acted on, so a report after it says so.
 Rule 3: a block whose maker did not know that the run had ended is dropped, as the rest of its queue
         was. Nothing is taken from the ring while a run is ending.
-Rule 4: a host that is dead or silent while the motors run: brake. The player does the rest.
+Rule 4: the core has made out what to write before it waits. Where that contains outputs, a change
+        of them breaks the wait off, so that it is made out again.
+Rule 5: a host that is dead or silent while the motors run: brake. The player does the rest.
 """
 
 from collections.abc import Callable, Iterator
@@ -18,7 +20,7 @@ from typing import Final
 from fraese.errors import StateError
 from fraese.motor.core import MotorCore
 from fraese.motor.realtime import mailbox
-from fraese.motor.realtime.clock import ROOM_NS, RealtimeClock
+from fraese.motor.realtime.clock import ANY_BREAK_NS, BREAK_NS, NO_BREAK_NS, ROOM_NS, RealtimeClock
 from fraese.motor.realtime.hostline import HostLine
 from fraese.motor.realtime.memory import (
     ANSWER,
@@ -41,10 +43,13 @@ from fraese.motor.realtime.records import Decoder
 from fraese.motor.realtime.report import Reporter
 from fraese.motor.realtime.ring import RingReader
 from fraese.motor.realtime.setup import RealtimeOptions
+from fraese.motor.seams import CONTROL
 
 #: Room for taking a block into the queue, ns, and for each piece of its law.
-_PUSH_NS: Final = 10_000
+_PUSH_NS: Final = 30_000
 _PIECE_NS: Final = 1_500
+#: With fewer blocks in the queue a late tick is the smaller evil.
+_FEW_BLOCKS: Final = 8
 #: Room for a change of outputs, ns: a phase card writes its table of movements anew.
 _OUTPUTS_NS: Final = 100_000
 #: A report is written at least so often where there is time, ns.
@@ -96,6 +101,8 @@ class Chores:
         self.silent = False
         self._braking_since_ns = 0
         self._urgent = False
+        self._stale = False
+        self._ticks_write_control = any(entry.register == CONTROL for entry in core.card.tick(1))
         self._wishes = self._stops = self._brakes = self._override = 0
         self._command = 0
         self._report_at_ns = self._host_at_ns = self._pump_at_ns = 0
@@ -109,8 +116,8 @@ class Chores:
         """Something is wished for that was not taken up yet."""
         return bool(self._words[WISHES] != self._wishes)
 
-    def take_wishes(self) -> bool:
-        """Pass them on to the core; True: a long wait may be broken off for it."""
+    def take_wishes(self) -> int:
+        """Pass them on to the core; a wait that has more ns left than that is broken off."""
         words = self._words
         self._wishes = words[WISHES]
         urgent, self._urgent = self._urgent, False
@@ -125,7 +132,12 @@ class Chores:
         if words[OVERRIDE] != self._override:
             self._override = words[OVERRIDE]
             self._requests.override(self._override)
-        return urgent and self._is_within_a_block()
+        stale, self._stale = self._stale, False
+        if not self._is_within_a_block():
+            return NO_BREAK_NS
+        if stale:
+            return ANY_BREAK_NS
+        return BREAK_NS if urgent else NO_BREAK_NS
 
     def _is_within_a_block(self) -> bool:
         """Only there the core may be interrupted: at its edges it is half in, half out."""
@@ -214,7 +226,8 @@ class Chores:
         yield from decoder.steps(self._memory.ring, ring.first())
         block = decoder.block
         assert block is not None
-        self._needs(_PUSH_NS + _PIECE_NS * len(block.pieces))
+        if len(self._run.queue) >= _FEW_BLOCKS:
+            self._needs(_PUSH_NS + _PIECE_NS * len(block.pieces))
         yield
         self._needs(0)
         if self._is_dropping():
@@ -255,7 +268,7 @@ class Chores:
             case mailbox.RESUME:
                 core.resume()
             case mailbox.OUTPUTS:
-                core.set_outputs(a & _OUTPUT_BITS, b & _OUTPUT_BITS)
+                self._set_outputs(a & _OUTPUT_BITS, b & _OUTPUT_BITS)
             case mailbox.SWITCH_MODE:
                 core.set_switch_mode(mailbox.SWITCH_MODES[a])
             case mailbox.FLUSH:
@@ -288,4 +301,11 @@ class Chores:
         self._pump_at_ns = now_ns + round(_NS_PER_S / pump.rate_hz / 2)
         self._pump_is_high = not self._pump_is_high
         bit = 1 << pump.output
-        self._core.set_outputs(bit, bit if self._pump_is_high else 0)
+        self._set_outputs(bit, bit if self._pump_is_high else 0)
+
+    def _set_outputs(self, mask: int, value: int) -> None:
+        """What was made out for the tick that is waited for may write the old outputs again."""
+        self._core.set_outputs(mask, value)
+        if self._ticks_write_control:
+            self._stale = True
+            self._wishes = _NEVER

@@ -28,6 +28,9 @@ NAP_NS: Final = 500_000
 FORCE_NS: Final = 10_000_000
 #: Waits longer than this are broken off for a wish, ns.
 BREAK_NS: Final = 1_000_000
+#: No wait is as long as this, and none as short as that.
+NO_BREAK_NS: Final = 1 << 62
+ANY_BREAK_NS: Final = -NO_BREAK_NS
 
 
 class Interrupted(Exception):
@@ -46,8 +49,12 @@ class Attendant(Protocol):
     def has_wish(self) -> bool:
         """Something is wished for that was not taken up yet: one look at a word."""
 
-    def take_wishes(self) -> bool:
-        """Pass them on; True: the core may be interrupted for it where it waits."""
+    def take_wishes(self) -> int:
+        """Pass them on.
+
+        Returns:
+            A wait that has more than so many ns left is broken off for it.
+        """
 
     def chore(self) -> bool:
         """Do the next small piece of work; False: there is nothing to do just now."""
@@ -62,9 +69,9 @@ class Nobody:
         """No."""
         return False
 
-    def take_wishes(self) -> bool:
-        """No."""
-        return False
+    def take_wishes(self) -> int:
+        """None."""
+        return NO_BREAK_NS
 
     def chore(self) -> bool:
         """Nothing."""
@@ -124,5 +131,8 @@ class RealtimeClock:
         return now
 
     def _take_wishes(self, ahead_ns: int) -> None:
-        if self.attendant.take_wishes() and ahead_ns > BREAK_NS:
+        if ahead_ns > self.attendant.take_wishes():
             raise Interrupted
+
+    def pass_by(self, elapsed_ns: int) -> None:
+        """It has moved by itself."""

@@ -20,7 +20,7 @@ from typing import Final
 
 from fraese.blocks import Q8, Block
 from fraese.errors import PortError
-from fraese.motor.blockqueue import _require_sound as require_sound
+from fraese.motor.blockqueue import require_sound
 from fraese.motor.realtime import mailbox
 from fraese.motor.realtime.memory import BRAKES, FIRST_EDGE, LAST_EDGE, OVERRIDE, STOPS
 from fraese.motor.realtime.report import Told

@@ -9,7 +9,8 @@
 Rule 1: all facts of a report are of one moment, between two ticks. They are taken in one step; what
         is done with them is done after it.
 Rule 2: the child calculates nothing that the parent can: it has microseconds, the parent has time.
-        So positions come as the way before the block in hand, its steps, and its ticks done.
+        So positions come as the way before the block in hand, its steps, its ticks done, and the
+        motors that have stepped in the tick in hand.
 Rule 3: a report carries the number of the last question that it answers, and how many runs ended
         before their target: what was pushed in ignorance of such an end is not played.
 Rule 4: the child does not know what is still on its way. It says which block it has in hand, and
@@ -131,7 +132,7 @@ class Reporter:
             0 if standing or cursor is None else due_ns, late_ticks, dry_queues, status,
             last_cycles if moving else 0, flags, _ENDED_NUMBER[ended],
             _bits(2 * motor + (sign > 0) for motor, sign in candidates) if candidates else 0,
-            _bits(torn) if torn else 0, echo, generation, 0,
+            _bits(torn) if torn else 0, echo, generation, way.moved,
         )  # fmt: skip
         self._counts.pack_into(self._buffer, _NOW_AT + _NOW.size, *phases)
         yield
@@ -170,7 +171,7 @@ def read(memory: Memory) -> Told | None:
 def _unpack(data: bytes) -> Told:
     (
         motors, done, playing, in_hand, due_ns, late_ticks, dry_queues, status,
-        cycles, flags, ended, candidates, torn, echo, generation, _,
+        cycles, flags, ended, candidates, torn, echo, generation, stepped,
     ) = _NOW.unpack_from(data, _NOW_AT)  # fmt: skip
     ticks, tag = _BLOCK.unpack_from(data, 0)
     counts = struct.Struct(f"={motors}q")
@@ -178,7 +179,10 @@ def _unpack(data: bytes) -> Told:
         counts.unpack_from(data, _BLOCK.size + number * _COUNTS_BYTES)
         for number in range(_BLOCK_COUNTS)
     )
-    moved = [steps_done(abs(n), ticks, done) if n else 0 for n in steps]
+    moved = [
+        steps_done(abs(n), ticks, done) + (stepped >> motor & 1) if n else 0
+        for motor, n in enumerate(steps)
+    ]
     report = Report(
         position_steps=tuple(
             b + (m if n > 0 else -m) for b, m, n in zip(base, moved, steps, strict=True)

@@ -1,0 +1,161 @@
+"""A parallel port by its I/O addresses, through /dev/port: for where there is no ppdev.
+
+    base + 0  data        base + 1  status        base + 2  control
+
+Rule 1: nobody hands the port out here: two programs of this kind exclude each other by a lock on
+        the three bytes, but ppdev, lp and others do not see it.
+Rule 2: bits 4 to 7 of control (interrupt, direction, and what a chip may keep there) are read once
+        and written back as they were.
+Rule 3: one byte a write. A longer one would go to the registers one after the other.
+Rule 4: giving the port back changes no pin. Motors are switched off before, by whoever drives them.
+"""
+
+import errno
+import os
+from contextlib import suppress
+from typing import Final
+
+from fraese.errors import PortError
+from fraese.motor.ports import facts
+from fraese.motor.seams import CONTROL, STATUS
+
+try:
+    from fcntl import LOCK_EX, LOCK_NB, lockf
+except ImportError:  # not a Unix: the package imports, the port does not open
+    lockf = None  # type: ignore[assignment]
+
+_DEVICE: Final = "/dev/port"
+_REGISTERS: Final = 3
+_KEPT_CONTROL: Final = 0xF0
+#: What reads like this in all three registers is no port: nothing drives the bus.
+_NOTHING_THERE: Final = b"\xff\xff\xff"
+
+_BYTES: Final = tuple(bytes((value,)) for value in range(256))
+
+#: A descriptor that is none: every call with it is refused.
+_CLOSED: Final = 1 << 30
+
+
+class DevPort:
+    """A Port at an I/O address.
+
+    Args:
+        base: address of the data register; 0x378 is the first port of most machines.
+
+    Raises:
+        PortError: if it is not allowed, locked, or there is no port.
+    """
+
+    def __init__(self, base: int = 0x378) -> None:
+        self._data = base
+        self._status = base + STATUS
+        self._control = base + CONTROL
+        self._fd = _open(base)
+        try:
+            kept = _look(self._fd, base) & _KEPT_CONTROL
+        except PortError:
+            os.close(self._fd)
+            raise
+        self._controls = tuple(_BYTES[kept | value] for value in range(16))
+
+    def write_data(self, value: int) -> None:
+        """Put a byte on DB25 pins 2 to 9.
+
+        Raises:
+            PortError: if the port went away.
+        """
+        try:
+            os.pwrite(self._fd, _BYTES[value], self._data)
+        except OSError as error:
+            raise self._gone(error) from error
+
+    def write_control(self, value: int) -> None:
+        """Set the low four bits of the control register.
+
+        Raises:
+            PortError: if the port went away.
+        """
+        try:
+            os.pwrite(self._fd, self._controls[value], self._control)
+        except OSError as error:
+            raise self._gone(error) from error
+
+    def read_status(self) -> int:
+        """The status register as it reads.
+
+        Raises:
+            PortError: if the port went away.
+        """
+        try:
+            return os.pread(self._fd, 1, self._status)[0]
+        except OSError as error:
+            raise self._gone(error) from error
+
+    def close(self) -> None:
+        """Close. What is on the pins stays there. Safe to call twice."""
+        fd, self._fd = self._fd, _CLOSED
+        if fd != _CLOSED:
+            # Linux has closed it even where it complains.
+            with suppress(OSError):
+                os.close(fd)
+
+    def _gone(self, error: OSError) -> PortError:
+        if self._fd == _CLOSED:
+            return PortError(f"The port at {self._data:#x} is used after it was given back.")
+        return PortError(
+            f"The port at {self._data:#x} does not answer any more:"
+            f" {os.strerror(error.errno or 0)}; position and motor currents are unknown, switch"
+            " the motors' supply off."
+        )
+
+
+def _open(base: int) -> int:
+    if lockf is None:
+        raise PortError(f"{_DEVICE} needs Linux; use the simulation here.")
+    try:
+        fd = os.open(_DEVICE, os.O_RDWR | os.O_CLOEXEC)
+    except OSError as error:
+        raise facts.wrapped(error, _open_sentences(), f"{_DEVICE} cannot be opened") from error
+    try:
+        lockf(fd, LOCK_EX | LOCK_NB, _REGISTERS, base)
+    except OSError as error:
+        os.close(fd)
+        raise PortError(
+            f"The port at {base:#x} is held by another program: close that one first."
+        ) from error
+    return fd
+
+
+def _open_sentences() -> dict[int, str]:
+    locked = facts.lockdown()
+    root_only = "is for root with the right CAP_SYS_RAWIO only; run as root"
+    reasons = {
+        "": "needs the right CAP_SYS_RAWIO, and a kernel that is not locked down",
+        "none": root_only,
+    }
+    refused = f"is refused by the kernel's lockdown ({locked}), as with secure boot"
+    return {
+        errno.ENOENT: _better("is missing in this kernel"),
+        errno.EACCES: _better(root_only),
+        errno.EPERM: _better(reasons.get(locked, refused)),
+    }
+
+
+def _better(reason: str) -> str:
+    return f'{_DEVICE} {reason}: port.kind "ppdev" needs none of this.'
+
+
+def _look(fd: int, base: int) -> int:
+    """The control register as found, once it is sure that something is there."""
+    try:
+        found = b"".join(os.pread(fd, 1, base + register) for register in range(_REGISTERS))
+    except OSError as error:
+        raise PortError(
+            f"The port at {base:#x} cannot be read: {os.strerror(error.errno or 0)}."
+        ) from error
+    if found == _NOTHING_THERE:
+        raise PortError(
+            f"There is no parallel port at {base:#x}: all three registers read 0xff; see"
+            " /proc/ioports, or the BIOS, for its address."
+        )
+    return found[CONTROL]

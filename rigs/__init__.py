@@ -1,0 +1,1 @@
+"""Stand-ins for metal: what the tests and benches drive instead of a real machine."""

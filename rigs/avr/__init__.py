@@ -1,0 +1,1 @@
+"""A simulated ATmega328P; see README.md."""

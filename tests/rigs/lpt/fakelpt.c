@@ -1,0 +1,263 @@
+/* A fake parallel port in front of libc.
+ *
+ *     process --open, ioctl, pread, pwrite--> fakelpt.so --anything else--> libc
+ *                                                |
+ *                          bench file, mapped by everybody: lines and log
+ *
+ * Preloaded, it answers for /dev/parport0 (ppdev) and /dev/port as a Linux kernel with one port at
+ * 0x378 does, under an unmodified Python or QEMU:
+ *
+ *     gcc -shared -fPIC -O2 -o fakelpt.so fakelpt.c
+ *     FAKELPT=bench.bin LD_PRELOAD=./fakelpt.so python3 ...
+ *
+ * Rule 1: everything a test sets or sees lies in the bench file, mapped shared: the test may change
+ *         it at any time, and what was logged survives any death of the process.
+ * Rule 2: every fake descriptor is the bench file, opened anew, and a registration is a flock() on
+ *         it: exclusive after PPEXCL, else shared. So it ends where the kernel's ends: with the last
+ *         close, also that of a killed process. A record lock on /dev/port is a true one, too.
+ * Rule 3: what the kernel does to the registers by itself is done and logged here too: a claim puts
+ *         control to rest, twice; bit 4 of it is the kernel's; release and close write nothing.
+ *
+ * Not modelled: two owners of a shared port taking turns, interrupts, and time on the bus.
+ */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <linux/ppdev.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <time.h>
+#include <unistd.h>
+
+#define BASE 0x378
+#define KERNEL_BITS 0x10 /* of control: the kernel's interrupt bit */
+#define CARD_BITS 0x0f   /* of control: what ppdev lets through */
+#define CLAIMED 0x0c     /* control after a claim: DB25 pins 1, 14 and 16 high, 17 low */
+#define MAX_FD 4096
+
+enum { DATA, STATUS, CONTROL, REGISTERS };
+
+/* Where the test may put an errno, so that the call is refused. */
+enum { REFUSE_OPEN_PARPORT, REFUSE_OPEN_PORT, REFUSE_EXCL, REFUSE_CLAIM, REFUSE_ACCESS, REFUSALS };
+
+struct event {
+  uint64_t at_ns; /* CLOCK_MONOTONIC */
+  uint32_t pid;
+  uint8_t what; /* O open, E exclusive, C claim, L release, X close, R read, W write, ? other ioctl */
+  uint8_t reg;
+  uint8_t value;
+  uint8_t unused;
+};
+
+struct bench {
+  volatile uint8_t lines[4]; /* the registers as they stand; the test drives [STATUS] */
+  volatile int32_t refuse[REFUSALS];
+  uint32_t capacity; /* events that the file has room for */
+  uint32_t unused;
+  volatile uint64_t count; /* events, also those that found no room */
+  uint8_t reserved[24];
+  struct event events[];
+};
+
+_Static_assert(sizeof(struct event) == 16 && sizeof(struct bench) == 64, "see fakeport.py");
+
+enum kind { NONE, PARPORT, PORT };
+
+static struct {
+  uint8_t kind, exclusive, claimed;
+} files[MAX_FD];
+
+static struct bench *bench;
+static int (*libc_open)(const char *, int, ...);
+static int (*libc_close)(int);
+static int (*libc_ioctl)(int, unsigned long, ...);
+static ssize_t (*libc_pread)(int, void *, size_t, off_t);
+static ssize_t (*libc_pwrite)(int, const void *, size_t, off_t);
+
+__attribute__((constructor)) static void start(void) {
+  if (libc_open) return;
+  libc_close = dlsym(RTLD_NEXT, "close");
+  libc_ioctl = dlsym(RTLD_NEXT, "ioctl");
+  libc_pread = dlsym(RTLD_NEXT, "pread64");
+  libc_pwrite = dlsym(RTLD_NEXT, "pwrite64");
+  libc_open = dlsym(RTLD_NEXT, "open64");
+  const char *path = getenv("FAKELPT");
+  int fd = path ? libc_open(path, O_RDWR | O_CLOEXEC) : -1;
+  if (fd < 0) return;
+  off_t size = lseek(fd, 0, SEEK_END);
+  void *map = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+  if (map != MAP_FAILED) bench = map;
+  libc_close(fd);
+}
+
+static void note(char what, int reg, int value) {
+  uint64_t place = __atomic_fetch_add(&bench->count, 1, __ATOMIC_RELAXED);
+  if (place >= bench->capacity) return;
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  struct event *event = &bench->events[place];
+  event->at_ns = now.tv_sec * 1000000000ull + now.tv_nsec;
+  event->pid = getpid();
+  event->reg = reg;
+  event->value = value;
+  event->what = what;
+}
+
+static int refused(int which) {
+  if (!bench->refuse[which]) return 0;
+  errno = bench->refuse[which];
+  return 1;
+}
+
+/* Registers 0 to 2 are lines; others of the block exist, and do nothing. */
+static void write_register(long reg, int value) {
+  if (reg == DATA || reg == CONTROL) bench->lines[reg] = value;
+  note('W', reg, value);
+}
+
+static int read_register(long reg) {
+  int value = reg >= DATA && reg < REGISTERS ? bench->lines[reg] : 0xff;
+  note('R', reg, value);
+  return value;
+}
+
+/* The kernel: what ppdev writes to control has the interrupt bit set. */
+static void write_control(int value) { write_register(CONTROL, (value & CARD_BITS) | KERNEL_BITS); }
+
+/* --- open and close ------------------------------------------------------------------------- */
+
+static enum kind kind_of_path(const char *path) {
+  if (!bench || !path) return NONE;
+  return !strcmp(path, "/dev/parport0") ? PARPORT : !strcmp(path, "/dev/port") ? PORT : NONE;
+}
+
+static enum kind kind_of(int fd) { return fd >= 0 && fd < MAX_FD ? files[fd].kind : NONE; }
+
+static int do_open(const char *path, int flags, mode_t mode) {
+  start();
+  enum kind kind = kind_of_path(path);
+  if (kind == NONE) return libc_open(path, flags, mode);
+  if (refused(kind == PARPORT ? REFUSE_OPEN_PARPORT : REFUSE_OPEN_PORT)) return -1;
+  int fd = libc_open(getenv("FAKELPT"), O_RDWR | (flags & O_CLOEXEC));
+  if (fd < 0) return fd;
+  if (fd >= MAX_FD) {
+    libc_close(fd);
+    errno = EMFILE;
+    return -1;
+  }
+  memset(&files[fd], 0, sizeof files[fd]);
+  files[fd].kind = kind;
+  note('O', 0, kind);
+  return fd;
+}
+
+#define OPEN(name)                                                                                 \
+  int name(const char *path, int flags, ...) {                                                     \
+    va_list rest;                                                                                  \
+    va_start(rest, flags);                                                                         \
+    mode_t mode = flags & (O_CREAT | O_TMPFILE) ? va_arg(rest, mode_t) : 0;                        \
+    va_end(rest);                                                                                  \
+    return do_open(path, flags, mode);                                                             \
+  }
+OPEN(open)
+OPEN(open64)
+
+int close(int fd) {
+  start();
+  if (kind_of(fd) != NONE) {
+    note('X', 0, files[fd].kind);
+    files[fd].kind = NONE;
+  }
+  return libc_close(fd);
+}
+
+/* --- /dev/parport0 -------------------------------------------------------------------------- */
+
+/* Registered with the port at the first claim, until the last close: alone, or among others. */
+static int claim(int fd) {
+  if (files[fd].claimed) {
+    errno = EINVAL;
+    return -1;
+  }
+  if (refused(REFUSE_CLAIM)) return -1;
+  if (flock(fd, (files[fd].exclusive ? LOCK_EX : LOCK_SH) | LOCK_NB)) {
+    errno = ENXIO;
+    return -1;
+  }
+  write_control(CLAIMED);
+  write_control(CLAIMED);
+  files[fd].claimed = 1;
+  note('C', 0, 0);
+  return 0;
+}
+
+static int make_exclusive(int fd) {
+  if (refused(REFUSE_EXCL)) return -1;
+  files[fd].exclusive = 1;
+  note('E', 0, 0);
+  return 0;
+}
+
+static int access_port(int fd, unsigned request, void *argument) {
+  uint8_t *byte = argument;
+  switch (request) {
+  case PPRELEASE: files[fd].claimed = 0; note('L', 0, 0); return 0;
+  case PPWDATA: write_register(DATA, *byte); return 0;
+  case PPWCONTROL: write_control(*byte); return 0;
+  case PPFCONTROL: write_control((bench->lines[CONTROL] & ~byte[0]) ^ byte[1]); return 0;
+  case PPRDATA: *byte = read_register(DATA); return 0;
+  case PPRSTATUS: *byte = read_register(STATUS); return 0;
+  case PPRCONTROL: *byte = read_register(CONTROL) & CARD_BITS; return 0;
+  case PPDATADIR:
+  case PPNEGOT:
+  case PPSETMODE: note('?', request & 0xff, 0); return 0;
+  }
+  errno = ENOTTY;
+  return -1;
+}
+
+int ioctl(int fd, unsigned long request, ...) {
+  va_list rest;
+  va_start(rest, request);
+  void *argument = va_arg(rest, void *);
+  va_end(rest);
+  start();
+  if (kind_of(fd) != PARPORT) return libc_ioctl(fd, request, argument);
+  /* Callers hand the request over sign-extended or not: 32 bits of it count. */
+  switch ((unsigned)request) {
+  case PPEXCL: return make_exclusive(fd);
+  case PPCLAIM: return claim(fd);
+  case PPGETMODES: *(int *)argument = 0; return 0;
+  }
+  if (!files[fd].claimed) {
+    errno = EINVAL;
+    return -1;
+  }
+  if (refused(REFUSE_ACCESS)) return -1;
+  return access_port(fd, request, argument);
+}
+
+/* --- /dev/port: consecutive bytes are consecutive registers --------------------------------- */
+
+ssize_t pwrite64(int fd, const void *bytes, size_t size, off_t offset) {
+  start();
+  if (kind_of(fd) != PORT) return libc_pwrite(fd, bytes, size, offset);
+  if (refused(REFUSE_ACCESS)) return -1;
+  for (size_t i = 0; i < size; i++)
+    write_register(offset + i - BASE, ((const uint8_t *)bytes)[i]);
+  return size;
+}
+
+ssize_t pread64(int fd, void *bytes, size_t size, off_t offset) {
+  start();
+  if (kind_of(fd) != PORT) return libc_pread(fd, bytes, size, offset);
+  if (refused(REFUSE_ACCESS)) return -1;
+  for (size_t i = 0; i < size; i++) ((uint8_t *)bytes)[i] = read_register(offset + i - BASE);
+  return size;
+}
