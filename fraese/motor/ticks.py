@@ -18,7 +18,8 @@ Rule 1: the leader steps on every tick, in its last beat, the others where Brese
 Rule 2: a tick in hand is finished. Stop, contact and brake act before the next one.
 Rule 3: times are cycles since ``base_ns``. What a tick comes late by more than a sixteenth of its
         interval moves the base, and so all that follows: it is never caught up, since the interval
-        after it would be shorter than the motor may follow. From a quarter on it is counted.
+        after it would be shorter than the motor may follow. From a quarter on it is counted. With
+        clock lines there may be less to spare: a pulse is never cut short.
 Rule 4: before an edge the clock lines have been low for as long as a pulse, and the directions
         have stood for as long as the card wants. That may make an interval longer, never a pulse.
 Rule 5: what will be written is made out before the wait, and counted after it: at the deadline
@@ -66,6 +67,7 @@ class Ticks:
         self._fall_at_cycles = 0
         self._fell_cycles = 0
         self._not_before_cycles = 0
+        self._pulse_cycles = card.pulse_cycles
         self._divided_from_cycles = 2 * card.beat_cycles or _NEVER_CYCLES
 
     @property
@@ -167,7 +169,7 @@ class Ticks:
                     entries = self._made_out_anew(cursor, moving)
                 for register, value in entries:
                     access[register](value)
-                if now_ns - deadline_ns << 5 > cycles * 125:
+                if now_ns > deadline_ns:
                     base_ns += self._late(now_ns - deadline_ns, next_due - due)
                     self._base_ns = base_ns
                 due = next_due
@@ -222,7 +224,10 @@ class Ticks:
     def _late(self, late_ns: int, cycles: int) -> int:
         """How far to move all that follows, for an edge that came so late in its interval."""
         self.late_ticks += late_ns * 8 > cycles * 125
-        return max(0, late_ns - (cycles * 125 >> 5))
+        spare_cycles = cycles >> 4
+        if self._pulse_cycles:
+            spare_cycles = min(spare_cycles, max(0, (cycles >> 1) - self._pulse_cycles))
+        return max(0, late_ns - (spare_cycles * 125 >> 1))
 
     def _fall(self, end_ns: int) -> bool:
         """Write the falling edge that is due; False if that is not before ``end_ns``."""
