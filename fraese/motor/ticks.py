@@ -16,9 +16,10 @@ A long interval is divided into 2, 4 or 8 beats, so that minor axes step more ev
 Rule 1: the leader steps on every tick, in its last beat, the others where Bresenham says; every
         step of every motor is made exactly once.
 Rule 2: a tick in hand is finished. Stop, contact and brake act before the next one.
-Rule 3: times are cycles since ``base_ns``. A tick that comes late by more than a quarter of its
-        interval is counted and moves the base, and so all that follows: what is lost is never
-        caught up. Less than that is: the motor feels it as a quarter of a step, no more.
+Rule 3: times are cycles since ``base_ns``. What a tick comes late by more than a sixteenth of its
+        interval moves the base, and so all that follows: it is never caught up, since the interval
+        after it would be shorter than the motor may follow. From a quarter on it is counted. With
+        clock lines there may be less to spare: a pulse is never cut short.
 Rule 4: before an edge the clock lines have been low for as long as a pulse, and the directions
         have stood for as long as the card wants. That may make an interval longer, never a pulse.
 Rule 5: what will be written is made out before the wait, and counted after it: at the deadline
@@ -66,6 +67,7 @@ class Ticks:
         self._fall_at_cycles = 0
         self._fell_cycles = 0
         self._not_before_cycles = 0
+        self._pulse_cycles = card.pulse_cycles
         self._divided_from_cycles = 2 * card.beat_cycles or _NEVER_CYCLES
 
     @property
@@ -146,6 +148,8 @@ class Ticks:
                     cycles = governor.interval(cursor, interval_q8 >> 8)
                     if cycles < 0:
                         break
+                    # Should the wait be broken off, this is what was waited for.
+                    governor.awaited_cycles = cycles
                 if cycles >= divided_from and moving != leader_bit:
                     if not self._play_beats(cursor, due, cycles, end_ns):
                         break
@@ -156,17 +160,16 @@ class Ticks:
                 entries = tick(moving)
                 deadline_ns = base_ns + (next_due * 125 >> 1)
                 if deadline_ns > end_ns:
-                    if not requests.calm and not cursor.beats_cycles:
-                        governor.awaited_cycles = cycles
                     wait_until(end_ns)
                     break
                 now_ns = wait_until(deadline_ns)
+                governor.awaited_cycles = 0
                 track.last_cycles = next_due - due
                 if wires.stale:
                     entries = self._made_out_anew(cursor, moving)
                 for register, value in entries:
                     access[register](value)
-                if now_ns - deadline_ns << 3 > cycles * 125:
+                if now_ns > deadline_ns:
                     base_ns += self._late(now_ns - deadline_ns, next_due - due)
                     self._base_ns = base_ns
                 due = next_due
@@ -195,11 +198,10 @@ class Ticks:
             entries = card.tick(moving)
             deadline_ns = self._at_ns(due + beat * beat_cycles)
             if deadline_ns > end_ns:
-                if not self._requests.calm and not cursor.beats_cycles:
-                    self._governor.awaited_cycles = cycles
                 self._clock.wait_until(end_ns)
                 return False
             now_ns = self._clock.wait_until(deadline_ns)
+            self._governor.awaited_cycles = 0
             if wires.stale:
                 entries = self._made_out_anew(cursor, moving)
             cursor.beats_cycles, cursor.moving_now = cycles, moving
@@ -221,10 +223,11 @@ class Ticks:
 
     def _late(self, late_ns: int, cycles: int) -> int:
         """How far to move all that follows, for an edge that came so late in its interval."""
-        if late_ns * 8 <= cycles * 125:
-            return 0
-        self.late_ticks += 1
-        return late_ns
+        self.late_ticks += late_ns * 8 > cycles * 125
+        spare_cycles = cycles >> 4
+        if self._pulse_cycles:
+            spare_cycles = min(spare_cycles, max(0, (cycles >> 1) - self._pulse_cycles))
+        return max(0, late_ns - (spare_cycles * 125 >> 1))
 
     def _fall(self, end_ns: int) -> bool:
         """Write the falling edge that is due; False if that is not before ``end_ns``."""

@@ -3,6 +3,8 @@
 import itertools
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from fraese.blocks import dwell
 from fraese.motor.phases import MOTZERO
@@ -207,7 +209,23 @@ class TestLateEdges:
         assert min(r - f for f, r in zip(falling, rising[1:], strict=False)) >= HALF_CLOCK_NS
 
     def test_a_little_late_is_not_late(self) -> None:
-        bench = Workbench(clock=BusyClock(lambda wait: 200_000), settle_s=0)
+        bench = Workbench(clock=BusyClock(lambda wait: 200_000 * (wait == 50)), settle_s=0)
         report = bench.run(steady(100, rate_hz=1000))
         assert report.late_ticks == 0
-        assert bench.clock.now_ns() == 100_000_000 + 200_000
+        assert bench.clock.now_ns() == 100_000_000 + 200_000 - 62_500
+
+    @given(st.lists(st.floats(0, 3), min_size=1, max_size=30))
+    def test_no_interval_is_shortened_by_more_than_a_sixteenth(self, late: list[float]) -> None:
+        """However late the ticks before it came; and what was very late is counted."""
+        interval_ns = 1_000_000
+
+        def late_ns(wait: int) -> int:
+            return round(late[wait % len(late)] * interval_ns) if wait > 1 else 0
+
+        bench = Workbench(clock=BusyClock(late_ns), settle_s=0, limits=TIRELESS)
+        report = bench.run(steady(60, rate_hz=1000))
+        edges_ns = [a.at_ns for a in bench.accesses() if a.register == CONTROL and a.value & 1]
+        gaps_ns = [b - a for a, b in itertools.pairwise(edges_ns[-60:])]
+        assert min(gaps_ns) >= interval_ns * 15 // 16
+        assert report.position_steps == (60, 0, 0)
+        assert report.late_ticks == sum(late_ns(wait) > 250_000 for wait in range(1, 61))

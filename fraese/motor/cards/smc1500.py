@@ -70,6 +70,7 @@ class SmcCard:
         self._next = [0] * motors
         self._orders = _orders(motors)
         self._order = self._orders[0]
+        self._made: dict[int, list[list[Entries]]] = {}
         self._run = self._columns()
 
     def _latch(self, byte: int) -> Entries:
@@ -81,11 +82,17 @@ class SmcCard:
         )
 
     def _columns(self) -> list[list[Entries]]:
-        """Per motor and index, a whole movement; made anew when an output changes."""
-        return [
-            [(*self._latch(motor_bits(motor) | byte), Entry(STATUS, motor)) for byte in self.table]
-            for motor in range(self.motors)
-        ]
+        """Per motor and index, a whole movement; made once for every state of the outputs."""
+        control = self.lines.value
+        if control not in self._made:
+            self._made[control] = [
+                [
+                    (*self._latch(motor_bits(motor) | byte), Entry(STATUS, motor))
+                    for byte in self.table
+                ]
+                for motor in range(self.motors)
+            ]
+        return self._made[control]
 
     def _stand(self, table: bytes) -> Entries:
         return tuple(
