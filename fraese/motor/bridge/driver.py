@@ -2,7 +2,7 @@ r"""The driver whose steps are timed by a microcontroller at the end of a serial
 
     push --> Outbox --> record --> Session ---line---> ring --> steps
     brake, stop ------- urgent bytes, from any thread ---> within a tick
-    poll --> PING, STATUS? ------> Session <--line--- STATUS --> Picture --> Report
+    poll --> STATUS? ------------> Session <--line--- STATUS --> Picture --> Report
 
 Rule 1: as ``MotorCore``: a run begins in ``poll``, and a report knows of everything before it.
 Rule 2: blocks that were pushed before it was known that the queue had been dropped are dropped.
@@ -36,8 +36,9 @@ from fraese.motor.switches import SwitchInput
 
 #: A poll asks for its last report so long before its time is up: an answer takes 4 ms.
 _ANSWER_S: Final = 0.004
-#: Between two reports while a run is watched.
-_LOOK_S: Final = 0.01
+#: Between two reports while a run is watched: often enough to keep the ring filled, and seldom, for
+#: a report costs the device as much time as forty steps.
+_LOOK_S: Final = 0.02
 #: Between two attempts to find a lost device again, and how long one lasts.
 _REVIVE_S: Final = 1.0
 _MOST_OVERRIDE_Q8: Final = 0xFFFF
@@ -130,8 +131,9 @@ class BridgeDriver:
             self._revive()
         picture = self._picture
         with self._guarded() as session:
-            self._look(session)
-            self._see_to_start(session)
+            if picture.stands or not budget_s:
+                self._look(session)
+                self._see_to_start(session)
             while picture.runs and (left_s := self._left_s(until_ns) - _ANSWER_S) > 0:
                 self._watch(session, min(left_s, _LOOK_S))
                 self._look(session)
@@ -226,7 +228,8 @@ class BridgeDriver:
     def _see_to_start(self, session: Session) -> None:
         """Play what waits, if nothing plays; the ring is filled first, as far as it goes."""
         picture, link = self._picture, session.link
-        if not picture.stands or not picture.runs or self._stopping:
+        is_held = picture.status.state & c.State.HELD
+        if not picture.stands or not picture.runs or is_held or self._stopping:
             return
         session.pump_until(lambda: link.is_quiet)
         # Refused only if the queue was dropped meanwhile, which the look shows.
@@ -331,7 +334,7 @@ class BridgeDriver:
         session = self._connection.open(self._card.phases(), self._mode, self._override_q8)
         self._override_sent_q8 = self._override_q8
         self._outbox = Outbox(session.link, session.hello.ring)
-        self._picture.begin(session.ask())
+        self._picture.begin(session.ask(), session.link)
         session.listener = partial(self._hear, session)
         session.ask()
         self._stopping = False

@@ -11,7 +11,10 @@ Rule 2: commands go before the stream, so that nothing that is wanted now waits 
 Rule 3: the stream is cut into BLOCKS frames only when window and credit allow it; what is dropped
         before that was never there.
 Rule 4: an urgent is a wish: it is said at once, and again until a STATUS shows that it counted.
-Rule 5: what is acknowledged with another session is not from the device that was greeted.
+Rule 5: a device that is busy with steps has little time to read, and 32 bytes to store what it has
+        not read. So the window is halved when anything must be sent again, and grows while nothing
+        must.
+Rule 6: what is acknowledged with another session is not from the device that was greeted.
 """
 
 from collections import deque
@@ -31,8 +34,10 @@ from fraese.motor.bridge.constants import (
     WINDOW,
 )
 
-#: Without progress for so long, all is sent again.
+#: Without progress for so long, all is sent again; next time twice as long must pass, and so on: a
+#: device that is busy with steps is not helped by more to read.
 RESEND_NS: Final = 30_000_000
+_MOST_RESEND_NS: Final = 120_000_000
 #: GAPs that follow one with the same number within this time speak of the same loss.
 GAP_DEAF_NS: Final = 10_000_000
 #: A wish to brake or stop is repeated so often.
@@ -41,6 +46,11 @@ WISH_NS: Final = 20_000_000
 ASK_NS: Final = 15_000_000
 
 _CHUNK: Final = PAYLOAD_MAX - 1
+#: What a frame of the stream has besides: two FLAGs, kind, sequence, epoch, CRC.
+_AROUND: Final = 7
+#: The window is never smaller, and grows by so much with every acknowledgement, bytes.
+_LEAST_WINDOW: Final = 30
+_WINDOW_STEP: Final = 4
 
 
 @dataclass(slots=True)
@@ -78,6 +88,7 @@ class Link:
         stranger: session of a report that was not ours; None: there was none.
         done: number of the last command that was acknowledged,
         answered: and of the last one that the last STATUS knows of.
+        heard: STATUSes that came.
         resent: frames that were sent again.
     """
 
@@ -94,6 +105,8 @@ class Link:
         self._refusal = (0, 0)
         self._refused: dict[int, int] = {}
         self._progress_ns = 0
+        self._patience_ns = RESEND_NS
+        self._window = WINDOW
         self._gap: tuple[int, int] | None = None
         self._wishes: dict[int, _Wish] = {}
         self._asked_ns: int | None = None
@@ -103,6 +116,7 @@ class Link:
         self.stranger: int | None = None
         self.done = 0
         self.answered = 0
+        self.heard = 0
         self.resent = 0
 
     # --- what is to be said ----------------------------------------------------------------------
@@ -111,6 +125,11 @@ class Link:
         """Something to be carried out once; its number, from 1."""
         self._tickets += 1
         self._waiting.append((self._tickets, kind, payload))
+        return self._tickets
+
+    @property
+    def last_command(self) -> int:
+        """Number of the last command."""
         return self._tickets
 
     def refusal(self, ticket: int) -> int:
@@ -145,6 +164,11 @@ class Link:
         return len(self._backlog)
 
     @property
+    def streams(self) -> bool:
+        """A part of the stream has not come to the device yet, as far as is known."""
+        return bool(self._backlog) or any(flying.credit for flying in self._flying)
+
+    @property
     def credit(self) -> int:
         """Bytes of the stream that the device surely takes."""
         return self._free - sum(flying.credit for flying in self._flying)
@@ -177,8 +201,9 @@ class Link:
             if now_ns - wish.said_ns >= WISH_NS:
                 wish.said_ns = now_ns
                 out += _said(wish.byte)
-        if self._sent and now_ns - self._progress_ns >= RESEND_NS:
+        if self._sent and now_ns - self._progress_ns >= self._patience_ns:
             self._go_back(now_ns)
+            self._patience_ns = min(2 * self._patience_ns, _MOST_RESEND_NS)
         if not self._sent:
             self._progress_ns = now_ns
         for flying in self._coming():
@@ -206,10 +231,10 @@ class Link:
         """Frames that the window has room for: those to be sent again, then new ones."""
         used = sum(len(flying.data) for flying in list(self._flying)[: self._sent])
         while True:
-            if self._sent == len(self._flying) and not self._launch(WINDOW - used):
+            if self._sent == len(self._flying) and not self._launch(self._window - used):
                 return
             flying = self._flying[self._sent]
-            if used + len(flying.data) > WINDOW:
+            if used and used + len(flying.data) > self._window:
                 return
             used += len(flying.data)
             self._sent += 1
@@ -238,10 +263,11 @@ class Link:
 
     def _next_chunk(self) -> bytes:
         """The next part of the stream, as long as a frame can be; empty while there is no room."""
-        size = min(len(self._backlog), _CHUNK)
+        size = min(len(self._backlog), _CHUNK, self._window - _AROUND)
         return bytes(self._backlog[:size]) if size <= self.credit else b""
 
     def _go_back(self, now_ns: int) -> None:
+        self._window = max(_LEAST_WINDOW, self._window // 2)
         self.resent += self._sent
         self._sent = 0
         self._progress_ns = now_ns
@@ -259,6 +285,7 @@ class Link:
             return None
         self.status = status
         self.answered = self.done
+        self.heard += 1
         self._asked_ns = None
         for wish in list(self._wishes.values()):
             if _count(status, wish.byte) != wish.count:
@@ -285,6 +312,8 @@ class Link:
         self._free = ack.free
         if finished:
             self._progress_ns = now_ns
+            self._patience_ns = RESEND_NS
+            self._window = min(WINDOW, self._window + _WINDOW_STEP)
             self._gap = None
         if ack.gap:
             self._mind_gap(ack.next_seq, now_ns)

@@ -11,6 +11,7 @@ from fraese.blocks import CYCLES_PER_S
 from fraese.motor.bridge.account import Account
 from fraese.motor.bridge.codec import Status
 from fraese.motor.bridge.constants import State, ended_of
+from fraese.motor.bridge.link import Link
 from fraese.motor.seams import Card, Ended, Report
 
 _NS_PER_S: Final = 1_000_000_000
@@ -42,9 +43,10 @@ class Picture:
 
     # --- sessions --------------------------------------------------------------------------------
 
-    def begin(self, status: Status) -> None:
+    def begin(self, status: Status, link: Link) -> None:
         """The first word of a session."""
         self.status = status
+        self._link = link
         self.ended = ended_of(status.ended)
 
     def lose(self) -> None:
@@ -84,9 +86,15 @@ class Picture:
         return not self.status.state & State.MOVING
 
     @property
+    def held(self) -> bool:
+        """The throttle is closed, and opens by no block that is on its way."""
+        dry = self.status.state & State.DRY and self._link.streams
+        return bool(self.status.state & State.HELD) and not dry
+
+    @property
     def runs(self) -> bool:
         """Steps are being made, or will be as soon as the device is told to."""
-        if self.status.state & State.HELD:
+        if self.held:
             return False
         return self.account.queued > 0 or not self.stands
 
@@ -118,7 +126,7 @@ class Picture:
             due_ns=self._status_ns + cycles * _NS_PER_S // CYCLES_PER_S if cycles else 0,
             rate_hz=CYCLES_PER_S / cycles if cycles and account.moves else 0.0,
             running=self.runs,
-            held=bool(state & State.HELD),
+            held=self.held,
             energised=bool(state & State.ENERGISED),
             inputs=status.inputs,
             switch_closed=bool(state & State.SWITCH),

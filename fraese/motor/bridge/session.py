@@ -6,8 +6,8 @@
 
 Rule 1: nothing runs by itself. Who waits for an answer pumps; a program that hangs pumps nothing,
         and the device, hearing nothing, brakes and switches off.
-Rule 2: an answer is fresh if it acknowledges a PING that was sent when it was asked for; so it
-        knows of every command before.
+Rule 2: an answer is fresh if it came after the question and knows of every command before it; one
+        that was on the line already may be as old as its own way, 2.4 ms at 250,000 baud.
 Rule 3: the silence of a device counts only while it is listened to: a program that was stopped for
         a while finds what came meanwhile, and hears no silence.
 """
@@ -20,7 +20,6 @@ from fraese.motor.bridge.cards import CardFacts, card_commands
 from fraese.motor.bridge.codec import Hello, Status
 from fraese.motor.bridge.constants import (
     KIND_CLOSE,
-    KIND_PING,
     REFUSALS,
     URGENT_STOP,
     State,
@@ -131,8 +130,8 @@ class Session:
             PortError: as ``pump``.
         """
         link = self.link
-        ticket = link.command(KIND_PING)
-        while link.status is None or link.answered < ticket:
+        ticket, heard = link.last_command, link.heard
+        while link.status is None or link.heard == heard or link.answered < ticket:
             link.ask()
             self.pump(_SLICE_S)
         return link.status
