@@ -329,6 +329,9 @@ static void read_head(void)
     if (block->outputs_due)
         block->outputs = take_u8();
     block->flags = 0;
+    block->beats = 0;
+    block->is_plain = false;
+    block->shortest = 0xFFFF;
     block->serial = ++reading.serial;
     block->entry_cycles = 0;
     block->exit_cycles = reading.exit_cycles;
@@ -375,6 +378,7 @@ static void finish_block(struct block *block, uint32_t interval_q8)
         block->top_cycles = block->entry_cycles;
     if (block->override_q8 > throttle.override_q8)
         throttle_prepare(block);
+    player_prepare(block);
     block_is_ready();
 }
 
