@@ -141,6 +141,26 @@ beat:
 4:
 .endm
 
+// A byte has come, the UART's status is in r22: line_take() of line.h. Uses r21, r23, Z.
+.macro receive_byte
+    lds  r30, line + LINE_HEAD
+    ldi  r31, 0
+    mov  r21, r30
+    subi r30, lo8(-(line + LINE_BYTES))
+    sbci r31, hi8(-(line + LINE_BYTES))
+    lds  r23, UDR0
+    st   Z, r23
+    inc  r21
+    andi r21, LINE_RING - 1
+    sts  line + LINE_HEAD, r21
+    andi r22, (1 << FE0) | (1 << DOR0)
+    breq 1f
+    lds  r23, line + LINE_ERRORS
+    inc  r23
+    sts  line + LINE_ERRORS, r23
+1:
+.endm
+
 .macro call_c function
     push r0
     push r1
@@ -304,6 +324,9 @@ minors_done:
     breq prepared
     tst  r25
     brne prepared
+    lds  r22, UCSR0A                // many empty beats take longer than two bytes
+    sbrc r22, RXC0
+    rjmp take_byte_early
     rjmp next_beat
 prepared:
     sts  player + PLAYER_BEATS_LEFT, r20
@@ -365,24 +388,13 @@ give_way:
     sbi  _SFR_IO_ADDR(TIFR1), OCF1A
     rjmp restore
 
-// A byte has come: line_take() of line.h.
 take_byte:
-    lds  r30, line + LINE_HEAD
-    ldi  r31, 0
-    mov  r21, r30
-    subi r30, lo8(-(line + LINE_BYTES))
-    sbci r31, hi8(-(line + LINE_BYTES))
-    lds  r23, UDR0
-    st   Z, r23
-    inc  r21
-    andi r21, LINE_RING - 1
-    sts  line + LINE_HEAD, r21
-    andi r22, (1 << FE0) | (1 << DOR0)
-    breq polled
-    lds  r23, line + LINE_ERRORS              // errors
-    inc  r23
-    sts  line + LINE_ERRORS, r23
+    receive_byte
     rjmp polled
+take_byte_early:
+    receive_byte
+    ldi  r31, hi8(tracks)
+    rjmp next_beat
 
 // The interval changes from tick to tick// its number of beats seldom does.
 ramp:

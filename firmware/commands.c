@@ -35,6 +35,7 @@ static uint8_t do_card(const uint8_t *payload, uint8_t length)
     if (!card_load(payload))
         return REFUSED_PAYLOAD;
     inputs_begin();
+    run_take_card();
     reader_drop();
     return 0;
 }

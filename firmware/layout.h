@@ -31,7 +31,7 @@
 #define LINE_HEAD 0
 #define LINE_ERRORS 2
 #define LINE_BYTES 3
-#define LINE_RING 32
+#define LINE_RING 64
 
 /* struct player */
 #define PLAYER_MODE 0

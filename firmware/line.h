@@ -1,6 +1,6 @@
 /* The serial line: bytes in by polling, one frame out at a time.
  *
- *   wire -> UART (2 bytes + shift register) -> line_poll() -> ring of 32 -> line_next()
+ *   wire -> UART (2 bytes + shift register) -> line_poll() -> ring of 64 -> line_next()
  *
  * Rule 1: no receive interrupt: it would cost the steps up to 74 cycles of jitter. Whoever works
  *         for longer than two bytes take (1280 cycles at 250,000 baud) calls line_poll(), and the

@@ -55,6 +55,14 @@ static void begin(void)
     sei();
 }
 
+/* What must have its turn more often than once in a loop. */
+static void mind_line(void)
+{
+    frames_receive();
+    frames_send();
+    throttle_service();
+}
+
 int main(void)
 {
     begin();
@@ -62,15 +70,11 @@ int main(void)
         wdt_reset();
         player.patience = PATIENCE;
         run_time();
-        frames_receive();
-        throttle_service();
+        mind_line();
         reader_service();
-        frames_receive();
-        throttle_service();
+        mind_line();
         run_service();
-        frames_receive();
-        throttle_service();
+        mind_line();
         reports_service();
-        frames_send();
     }
 }

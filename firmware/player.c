@@ -168,16 +168,14 @@ static void restore_state(void)
 }
 
 /* Shares of the minors for so many beats. */
-static void set_shares(uint8_t beats)
+static void set_shares(struct block *block, uint8_t beats)
 {
-    struct block *block = player.block;
     for (uint8_t i = 0; i < block->minors; i++) {
         ticks_t add = block->steps[i];
         for (uint8_t n = beats; n < MOST_BEATS; n <<= 1)
             add <<= 1;
         block->minor[i].add = add;
     }
-    player.beats = beats;
 }
 
 /* Divide the tick in hand, a far one, into beats. */
@@ -189,7 +187,8 @@ static void divide_far(uint32_t cycles)
         for (; beats < MOST_BEATS && part >= card.facts.beat_cycles; part >>= 1)
             beats <<= 1;
     if (beats != player.beats)
-        set_shares(beats);
+        set_shares(player.block, beats);
+    player.beats = beats;
     player.ramps = RAMP_SLOW;
 }
 
@@ -204,7 +203,8 @@ static void divide(uint16_t cycles)
     }
     player.beat_cycles = part;
     if (beats != player.beats)
-        set_shares(beats);
+        set_shares(player.block, beats);
+    player.beats = beats;
     if (!player.block->moving)
         player.ramps = RAMP_SLOW;
     else
@@ -375,11 +375,9 @@ static bool begin_block(void)
     player.serial = block->serial;
     player.done = player.piece_end = 0;
     player.piece_is_last = !block->ticks;
-    player.beats = 0;
+    player.beats = block->beats;
     player.is_made_out = false;
-    player.shortest = 0xFFFF;
-    if (block->minors && card.facts.beat_cycles && card.facts.beat_cycles < 0x8000)
-        player.shortest = (uint16_t)(2 * card.facts.beat_cycles);
+    player.shortest = block->shortest;
     if (block->ticks)
         run_set_up(block);
     uint32_t exit = player.from_rest ? 0 : block->exit_cycles;
@@ -421,6 +419,57 @@ static bool find_tick(uint32_t *cycles)
 }
 
 
+void player_prepare(struct block *block)
+{
+    uint16_t shortest = 0xFFFF;
+    if (block->minors && card.facts.beat_cycles && card.facts.beat_cycles < 0x8000)
+        shortest = (uint16_t)(2 * card.facts.beat_cycles);
+    block->shortest = shortest;
+    if (!is_phase_card() || !block->moving || block->entry_cycles >= FAR_CYCLES)
+        return;
+    uint16_t part = (uint16_t)block->entry_cycles;
+    uint8_t beats = 1;
+    while (part >= shortest && beats < MOST_BEATS) {
+        part >>= 1;
+        beats <<= 1;
+    }
+    set_shares(block, beats);
+    block->beats = beats;
+    block->beat_cycles = part;
+    block->is_plain = !block->watch_pins && !block->outputs_due && block->exit_cycles;
+}
+
+/* From one block to the next in full motion, with nothing on anybody's mind: what begin_block,
+ * next_piece and take_tick would do, in a quarter of their time. False: it is not that simple. */
+static bool go_over(void)
+{
+    uint8_t slot = block_next, tail = piece_tail;
+    struct block *block = &blocks[slot];
+    if (WANT || throttle.state != OPEN || !(block_ready & _BV(slot)) || !block->is_plain
+        || tail == piece_head || !inputs_are_calm() || throttle_minds(block))
+        return false;
+    struct piece *piece = &pieces[tail];
+    block_ready &= (uint8_t)~_BV(slot);
+    block_next = slot ^ 1;
+    piece_tail = (uint8_t)(tail + 1) & (PIECES - 1);
+    throttle_take_limits(block);
+    player.block = block;
+    player.serial = block->serial;
+    player.done = player.chosen_at = 0;
+    player.piece_end = piece->end;
+    player.interval_q8 = piece->interval_q8;
+    player.add_q8 = piece->add_q8;
+    player.piece_is_last = piece->last;
+    player.last_cycles = player.cycles;
+    player.cycles = block->entry_cycles;
+    player.shortest = block->shortest;
+    player.beats = player.beats_left = block->beats;
+    player.beat_cycles = block->beat_cycles;
+    player.lag_cycles = (uint8_t)block->entry_cycles & (block->beats - 1);
+    player.ramps = piece->add_q8 ? RAMP_FAST : RAMP_NONE;
+    return true;
+}
+
 /* Choose the next tick and make out its first writes; false: there is none. */
 static bool go_on(void)
 {
@@ -434,7 +483,8 @@ static bool go_on(void)
         go_to_beat(true);
     } else {
         if (!player.beats)
-            set_shares(1);
+            set_shares(player.block, 1);
+        player.beats = 1;
         go_to_edge(cycles);
     }
     return true;
@@ -487,6 +537,8 @@ static uint8_t take_next(void)
 /* A tick of a phase card was played and counted, and the next is no usual one. */
 uint8_t player_tick(void)
 {
+    if (player.done == player.piece_end && player.piece_is_last && go_over())
+        return player.beats;
     if (player.ramps != RAMP_NONE)
         player.interval_q8 += (uint32_t)player.add_q8;
     if (WANT == _BV(IS_THROTTLED) && player.done != player.piece_end

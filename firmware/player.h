@@ -71,6 +71,8 @@ void player_start(void);
 void player_continue(void);
 /* The motors stand: nothing is known of the last interval any more. */
 void player_rest(void);
+/* First piece known: what can be worked out ahead of the block's first tick. Main loop. */
+void player_prepare(struct block *block);
 /* What the tick played last took; 0 at rest. */
 uint32_t player_last(void);
 /* The block in hand is given up. */

@@ -43,12 +43,17 @@ static struct {
 
 /* ---- the ring */
 
-static void put(uint8_t byte)
+static void store(const uint8_t *bytes, uint8_t count)
 {
-    ring[head] = byte;
-    if (++head == BOARD_RING)
-        head = 0;
-    used++;
+    uint8_t *to = ring + head;
+    used += count;
+    while (count--) {
+        *to++ = *bytes++;
+        if (to == ring + BOARD_RING)
+            to = ring;
+        line_poll();
+    }
+    head = (uint16_t)(to - ring);
 }
 
 static uint8_t take_u8(void)
@@ -106,7 +111,9 @@ static void set_dry_point(void)
     throttle.dry_tick = arrival.tick;
     __asm__ __volatile__("" ::: "memory");
     throttle.dry_point = true;
-    wish(MAY_RUN_DRY);
+    /* A block that begins from now on sees it itself. */
+    if ((int16_t)(*(volatile uint16_t *)&player.serial - throttle.dry_serial) >= 0)
+        wish(MAY_RUN_DRY);
 }
 
 static void record_arrived(void)
@@ -142,19 +149,26 @@ static void arrive(uint8_t byte)
         if (!(byte & 0x80))
             arrival.wants = BODY;
         break;
-    case BODY:
-        put(byte);
-        if (--arrival.left == 0)
-            record_arrived();
+    case BODY: /* see reader_take */
         break;
     }
 }
 
 void reader_take(const uint8_t *bytes, uint8_t count)
 {
-    while (count--) {
-        arrive(*bytes++);
-        line_poll();
+    while (count) {
+        if (arrival.wants != BODY) {
+            arrive(*bytes++);
+            count--;
+            continue;
+        }
+        uint8_t part = arrival.left < count ? (uint8_t)arrival.left : count;
+        store(bytes, part);
+        bytes += part;
+        count -= part;
+        arrival.left -= part;
+        if (!arrival.left)
+            record_arrived();
     }
 }
 
@@ -329,6 +343,9 @@ static void read_head(void)
     if (block->outputs_due)
         block->outputs = take_u8();
     block->flags = 0;
+    block->beats = 0;
+    block->is_plain = false;
+    block->shortest = 0xFFFF;
     block->serial = ++reading.serial;
     block->entry_cycles = 0;
     block->exit_cycles = reading.exit_cycles;
@@ -375,6 +392,7 @@ static void finish_block(struct block *block, uint32_t interval_q8)
         block->top_cycles = block->entry_cycles;
     if (block->override_q8 > throttle.override_q8)
         throttle_prepare(block);
+    player_prepare(block);
     block_is_ready();
 }
 

@@ -17,6 +17,7 @@ struct run run;
 static uint32_t settled_at;
 static uint32_t marked_at;
 static uint16_t timer_seen;
+static uint32_t silence_cycles;
 static uint8_t wanted_mask, wanted_value;
 
 /* ---- in the interrupt */
@@ -227,6 +228,11 @@ void run_refilled(void)
         open_and_start();
 }
 
+void run_take_card(void)
+{
+    silence_cycles = card.facts.silence_ms * CYCLES_PER_MS;
+}
+
 void run_forget(void)
 {
     finish(ENDED_NOT);
@@ -245,8 +251,7 @@ void run_close(void)
 
 static bool is_silent(void)
 {
-    uint32_t limit = card.facts.silence_ms * CYCLES_PER_MS;
-    return limit && run.now - run.life >= limit;
+    return silence_cycles && run.now - run.life >= silence_cycles;
 }
 
 static void end_in_silence(void)

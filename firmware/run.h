@@ -47,6 +47,8 @@ void run_set_outputs(uint8_t mask, uint8_t value);
 void run_refilled(void);
 /* A block that cannot be played as it says. */
 void run_refuse_block(void);
+/* A card was loaded. */
+void run_take_card(void);
 /* The session begins anew, or ends. */
 void run_forget(void);
 void run_close(void);

@@ -81,6 +81,10 @@ struct block {
     uint8_t watch_pins, watch_value, watch_action; /* pins 0: none */
     uint16_t serial;
     uint16_t override_q8;
+    bool is_plain;        /* nothing but motion, from motion: taken without much ado */
+    uint8_t beats;        /* of its first tick; 0: not known */
+    uint16_t beat_cycles;
+    uint16_t shortest;    /* interval from which on a tick is divided */
     ticks_t ticks;
     uint32_t accel_q;
     uint32_t jump_q8;

@@ -90,4 +90,22 @@ static inline bool is_above_jump(uint32_t cycles)
     return cycles < throttle.jump_cycles - (throttle.jump_cycles >> 4);
 }
 
+/* The throttle has something to say in this block. */
+static inline bool throttle_minds(const struct block *block)
+{
+    return block->override_q8 > throttle.override_q8
+        || (throttle.dry_point && (int16_t)(block->serial - throttle.dry_serial) >= 0);
+}
+
+/* The limits of the block that is taken in hand. */
+static inline void throttle_take_limits(const struct block *block)
+{
+    throttle.turn++;
+    throttle.is_steady = false;
+    throttle.jump_of_last = throttle.jump_cycles;
+    throttle.accel_q = block->accel_q;
+    throttle.jump_q8 = block->jump_q8;
+    throttle.jump_cycles = block->jump_cycles;
+}
+
 #endif

@@ -23,7 +23,7 @@
 #endif
 
 #define BOARD_NAME "uno"
-#define BOARD_RING 900
+#define BOARD_RING 872
 
 /* Data byte to port bytes. PD0 is RX with pull-up, PD1 is TX. */
 #define PORT_LOW PORTD

@@ -48,13 +48,13 @@ class Duel:
         self._compared = 0
 
     def within(self, tick: int) -> int:
-        """A cycle a third into the interval before a tick, as long as nothing happens."""
+        """A cycle an eighth into the interval before a tick, as long as nothing happens."""
         alone = Core(PHASES)
         alone.push(self._blocks)
         alone.play()
         leader = [w.cycle for w in alone.writes() if w.register == 0 and w.value >> 6 == 0]
         before, at = leader[tick - 1 : tick + 1]
-        return before + (at - before) // 3
+        return before + (at - before) // 8
 
     def happens(self, at_cycle: int, on_core: Callable[[], None]) -> None:
         """At a cycle of the run, on the core."""
