@@ -54,7 +54,7 @@ class TestQueue:
 
     def test_a_block_that_never_fits_is_refused_here(self, bench: FirmwareBench) -> None:
         law = tuple(Piece(1, 1_000_000 + 70_000 * (n % 7), n) for n in range(240))
-        with pytest.raises(ValueError, match=r"takes \d+ bytes; the bridge stores 899"):
+        with pytest.raises(ValueError, match=r"takes \d+ bytes; the bridge stores \d+"):
             bench.driver.push(steady(240)._replace(pieces=law))
         with pytest.raises(ValueError, match="300 pieces; the bridge plays"):
             bench.driver.push(steady(300)._replace(pieces=(Piece(1, 1_000_000),) * 300))

@@ -131,7 +131,7 @@ class BridgeDriver:
             self._revive()
         picture = self._picture
         with self._guarded() as session:
-            if picture.stands or not budget_s:
+            if picture.stands or budget_s < 2 * _ANSWER_S:
                 self._look(session)
                 self._see_to_start(session)
             while picture.runs and (left_s := self._left_s(until_ns) - _ANSWER_S) > 0:
