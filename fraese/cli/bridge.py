@@ -1,7 +1,7 @@
 """The serial bridge looked at and tried out; nothing moves unless it is asked for.
 
-Rule 1: a check is a name, whether it went well, and what was seen; the first one that cannot even be
-        tried ends the list.
+Rule 1: a check is a name, whether it went well, and what was seen; the first one that cannot even
+        be tried ends the list.
 Rule 2: blocks that are only stored never move anything: a run begins with START.
 """
 
@@ -139,8 +139,8 @@ def _facts(place: Place, hello: Hello, trips_s: list[float]) -> dict[str, object
 # --- test ----------------------------------------------------------------------------------------
 
 
-@bridge_app.command()
-def test(
+@bridge_app.command("test")
+def try_out(
     config: ConfigOption = None,
     as_json: JsonOption = False,
     device: DeviceOption = None,

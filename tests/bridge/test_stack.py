@@ -90,7 +90,9 @@ def test_homing_and_a_program_end_where_they_should(stack: Stack) -> None:
     assert homed.returncode == 0, homed.stderr
     assert all(json.loads(homed.stdout)["referenced"].values())
     zero = stack.mill.carriages_steps()
-    program = stack_file(stack, "G21 G90\nG0 X3 Y2\nG1 X3.5 Y2.5 Z-1 F600\nG2 X3.5 Y2.5 I-1 J0\nG0 X1 Y1\n")
+    program = stack_file(
+        stack, "G21 G90\nG0 X3 Y2\nG1 X3.5 Y2.5 Z-1 F600\nG2 X3.5 Y2.5 I-1 J0\nG0 X1 Y1\n"
+    )
     ran = stack.run("run", str(program), "--json")
     assert ran.returncode == 0, ran.stderr
     result = json.loads(ran.stdout)

@@ -26,10 +26,10 @@ from fraese.motor.bridge import constants as c
 from fraese.motor.bridge.codec import Status
 from fraese.motor.bridge.connection import MODES, Connection
 from fraese.motor.bridge.fromcard import card_facts
+from fraese.motor.bridge.greeting import PATIENCE_S
 from fraese.motor.bridge.line import OpenLine
 from fraese.motor.bridge.outbox import Outbox
 from fraese.motor.bridge.picture import Picture
-from fraese.motor.bridge.greeting import PATIENCE_S
 from fraese.motor.bridge.session import Session
 from fraese.motor.seams import Card, Clock, Ended, IdleLevel, Report, SwitchMode
 from fraese.motor.switches import SwitchInput

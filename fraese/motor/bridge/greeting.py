@@ -117,8 +117,8 @@ class Greeting:
                 )
         if heard:
             return (
-                f"What comes from {self._name} makes no sense at {self._baud} baud: either port.baud"
-                " is not the firmware's rate, or this is no fraese bridge."
+                f"What comes from {self._name} makes no sense at {self._baud} baud: either"
+                " port.baud is not the firmware's rate, or this is no fraese bridge."
             )
         return (
             f"Nobody answers on {self._name} at {self._baud} baud: is this the board with the"
