@@ -47,7 +47,7 @@ def _laws(draw: st.DrawFn, ticks: int, given: Range) -> tuple[Piece, ...]:
     """Pieces for so many ticks, none faster than the range says."""
     least_q8 = max(given.least_cycles, _SHORTEST_BLOCK_CYCLES // ticks) * 256
     most_q8 = int(least_q8 * given.spread)
-    pieces = []
+    pieces: list[Piece] = []
     while ticks:
         count = draw(st.integers(1, ticks)) if len(pieces) < 4 else ticks
         first_q8 = draw(st.integers(least_q8, most_q8))
@@ -63,7 +63,7 @@ def moves(draw: st.DrawFn, given: Range) -> Block:
     most = draw(st.sampled_from([1, 3, 40, 120]))
     steps = tuple(draw(st.integers(-most, most)) for _ in range(given.motors))
     if not any(steps):
-        steps = (1,) + steps[1:]
+        steps = (1, *steps[1:])
     ticks = max(map(abs, steps))
     mask = draw(st.sampled_from([0, 0, 0, 1, 2, 3]))
     jump_q8 = draw(st.integers(16, 255)) << draw(st.integers(8, 12))

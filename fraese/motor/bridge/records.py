@@ -124,9 +124,7 @@ def _body(block: Block, carried: Carried) -> bytes:
         numbers += top_cycles.to_bytes(3, "little")
     if block.watch:
         rare |= RARE_WATCH
-        numbers += bytes(
-            (block.watch.mask, block.watch.value, WATCH_ACTIONS[block.watch.action])
-        )
+        numbers += bytes((block.watch.mask, block.watch.value, WATCH_ACTIONS[block.watch.action]))
     if block.outputs:
         rare |= RARE_OUTPUTS
         numbers += bytes(((block.outputs.mask & 15) << 4 | block.outputs.value & 15,))
