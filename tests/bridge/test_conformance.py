@@ -32,6 +32,8 @@ class Range:
         motors: of the card.
         least_cycles: shortest interval of a plan,
         spread: and how much longer others may be.
+        least_ticks: of a piece, if the block has as many.
+        dwell_s: shortest and longest wait.
         throttled: start/stop rates are low, so that blocks are entered on a ramp.
     """
 
@@ -39,6 +41,7 @@ class Range:
     least_cycles: int
     spread: float = 6.0
     throttled: bool = False
+    least_ticks: int = 1
     dwell_s: tuple[float, float] = (0.001, 0.03)
 
 
@@ -49,7 +52,8 @@ def _laws(draw: st.DrawFn, ticks: int, given: Range) -> tuple[Piece, ...]:
     most_q8 = int(least_q8 * given.spread)
     pieces: list[Piece] = []
     while ticks:
-        count = draw(st.integers(1, ticks)) if len(pieces) < 4 else ticks
+        least = min(ticks, given.least_ticks)
+        count = draw(st.integers(least, ticks)) if len(pieces) < 4 else ticks
         first_q8 = draw(st.integers(least_q8, most_q8))
         adds = st.integers((least_q8 - first_q8) // count + 1, (most_q8 - first_q8) // count)
         pieces.append(Piece(count, first_q8, draw(adds) if draw(st.booleans()) else 0))
@@ -101,10 +105,10 @@ def play_both(kind: Kind, blocks: list[Block], late_cycles: int = 0) -> None:
 
 EXACT_PHASES = Range(3, 9_000)
 EXACT_THROTTLED = Range(3, 12_000, throttled=True)
-FAST_PHASES = Range(3, 1_300)
+FAST_PHASES = Range(3, 1_300, least_ticks=8)
 #: Clock lines fall half an interval after an edge; after a long one little is left for a short one.
-EXACT_CLOCKS = Range(4, 8_000, spread=1.2, dwell_s=(0.0005, 0.0006))
-SLOW_CLOCKS = Range(4, 9_000, spread=1.2, dwell_s=(0.0006, 0.0007))
+EXACT_CLOCKS = Range(4, 10_000, spread=1.2, dwell_s=(0.0007, 0.0008))
+SLOW_CLOCKS = Range(4, 11_000, spread=1.2, dwell_s=(0.0007, 0.0008))
 
 
 @_SLOW
