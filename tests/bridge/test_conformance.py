@@ -90,8 +90,14 @@ def queues(draw: st.DrawFn, given: Range) -> list[Block]:
     return [*blocks[:-1], blocks[-1]._replace(ends_at_rest=True)]
 
 
-def play_both(kind: Kind, blocks: list[Block], late_cycles: int = 0) -> None:
-    """The same queue on core and firmware."""
+def play_both(kind: Kind, blocks: list[Block], exact: bool = True) -> None:
+    """The same queue on core and firmware.
+
+    Args:
+        kind: the card.
+        blocks: the queue.
+        exact: every beat at its cycle; else only the same writes in the same order.
+    """
     core = Core(kind)
     core.push(blocks)
     core.play()
@@ -99,8 +105,14 @@ def play_both(kind: Kind, blocks: list[Block], late_cycles: int = 0) -> None:
     device.push(blocks, core.dry)
     device.start()
     status = device.stand_still()
-    assert (status.ended, status.late_ticks) == (c.ENDED_TARGET, 0)
-    compare(core.writes(), device_writes(device), late_cycles)
+    assert status.ended == c.ENDED_TARGET
+    if exact:
+        assert status.late_ticks == 0
+        compare(core.writes(), device_writes(device))
+    else:
+        wanted = [w[1:] for w in core.writes()]
+        assert [w[1:] for w in device_writes(device)] == wanted
+        assert status.late_ticks <= sum(len(block.pieces) for block in blocks)
 
 
 EXACT_PHASES = Range(3, 9_000)
@@ -126,8 +138,8 @@ def test_phase_card_entered_on_ramps(blocks: list[Block]) -> None:
 @_SLOW
 @given(blocks=queues(FAST_PHASES))
 def test_phase_card_at_high_rates(blocks: list[Block]) -> None:
-    """The first beat of a block may come late, by less than a quarter of its tick."""
-    play_both(PHASES, blocks, late_cycles=1_200)
+    """The first tick of a piece may come late, and is counted then; nothing else changes."""
+    play_both(PHASES, blocks, exact=False)
 
 
 @_SLOW
