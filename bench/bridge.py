@@ -179,7 +179,8 @@ def rows(long: bool) -> Iterator[Row]:
     for row in rates:
         yield rate_row(*row)
     others: tuple[Callable[[], Row], ...] = (
-        minors_row, queue_row, lambda: pause_row(3200, 20), lambda: pause_row(640, 100),
+        minors_row, queue_row, lambda: pause_row(3200, 20), lambda: pause_row(800, 80),
+        lambda: pause_row(640, 100),
         lambda: damage_row(10_000_000 if long else 100_000), contact_row, stack_row,
     )  # fmt: skip
     for make in others:
