@@ -85,7 +85,9 @@ def minors_row() -> Row:
         gaps = np.diff(motor_times(PHASES, writes, motor))
         shares.append(np.percentile(np.abs(gaps - gaps.mean()), 99) / interval)
     text = f"p99 {max(shares):.1%} of the leader's interval"
-    return Row("minor axes at 1 : 0.618 : 0.382, leader at 6.25 kHz", "15 %", text, max(shares) <= 0.15)
+    return Row(
+        "minor axes at 1 : 0.618 : 0.382, leader at 6.25 kHz", "15 %", text, max(shares) <= 0.15
+    )
 
 
 def queue_row() -> Row:
@@ -93,7 +95,9 @@ def queue_row() -> Row:
     device = device_for(PHASES)
     Stream(device, curve(120, 3200, 20)).fill()
     held_ms = device.ask().last * 4
-    return Row("motion held in the queue, blocks of 4 ms", "250 ms", f"{held_ms} ms", held_ms >= 250)
+    return Row(
+        "motion held in the queue, blocks of 4 ms", "250 ms", f"{held_ms} ms", held_ms >= 250
+    )
 
 
 def pause_row(interval: int, ticks: int) -> Row:
@@ -131,7 +135,8 @@ def damage_row(steps: int) -> Row:
     wanted = tuple(int(n) for n in np.sum([b.steps for b in blocks], axis=0))
     made = steps_made(device)
     total = sum(sum(map(abs, b.steps)) for b in blocks)
-    text = f"{total} steps, {stream.resent} frames sent again, {'every' if made == wanted else 'NOT every'} step made"
+    every = "every" if made == wanted else "NOT every"
+    text = f"{total} steps, {stream.resent} frames sent again, {every} step made"
     return Row("random blocks, 1 frame in 200 damaged", "every step once", text, made == wanted)
 
 
@@ -174,7 +179,8 @@ def rows(long: bool) -> Iterator[Row]:
     for row in rates:
         yield rate_row(*row)
     others: tuple[Callable[[], Row], ...] = (
-        minors_row, queue_row, lambda: pause_row(3200, 20), lambda: pause_row(640, 100),
+        minors_row, queue_row, lambda: pause_row(3200, 20), lambda: pause_row(800, 80),
+        lambda: pause_row(640, 100),
         lambda: damage_row(10_000_000 if long else 100_000), contact_row, stack_row,
     )  # fmt: skip
     for make in others:
@@ -186,7 +192,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--long", action="store_true", help="ten million steps over a bad line")
     for row in rows(parser.parse_args().long):
-        print(f"{'ok ' if row.holds else 'NOT'}  {row.what:55} {row.least:22} {row.measured}", flush=True)
+        print(
+            f"{'ok ' if row.holds else 'NOT'}  {row.what:55} {row.least:22} {row.measured}",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -328,6 +328,8 @@ static void read_head(void)
     if (count == LAW_PIECES)
         count = take_u8();
     block->ticks = take_steps(block, shape, steps);
+    if (!block->moving && count)
+        block->ticks = 1; /* a dwell: how many is known with its last piece */
     set_minors(block, steps);
     line_poll();
     take_limits(law, rare);

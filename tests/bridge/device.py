@@ -26,8 +26,8 @@ from fraese.motor.bridge.codec import (
 )
 from fraese.motor.bridge.records import Carried, Dry, carried_after, record
 from rigs.avr import board
-from rigs.avr.build import missing
 from rigs.avr.binding import SRAM_END
+from rigs.avr.build import missing
 from rigs.avr.simavr import Avr
 
 FIRMWARE = Path(__file__).resolve().parents[2] / "firmware"
@@ -154,8 +154,17 @@ class Device:
         while data:
             part, data = data[: c.PAYLOAD_MAX - 1], data[c.PAYLOAD_MAX - 1 :]
             if self.ack is not None:
-                self.wait(lambda size=len(part): self.free >= size, 20_000)  # type: ignore[misc]
+                self._wait_for_room(len(part))
             assert self.command(c.KIND_BLOCKS, bytes((epoch,)) + part) == 0
+
+    def _wait_for_room(self, size: int) -> None:
+        self.wait(lambda: self.free >= size, 20_000)
+
+    @property
+    def ring(self) -> int:
+        """Bytes of records that it holds."""
+        assert self.hello is not None
+        return self.hello.ring
 
     @property
     def free(self) -> int:
@@ -168,6 +177,7 @@ class Device:
 
     def stand_still(self, limit_ms: int = 60_000) -> Status:
         """Wait until the motors stand, for whatever reason."""
+
         def stands() -> bool:
             return self.status is not None and not self.status.state & c.State.MOVING
 
@@ -180,7 +190,9 @@ class Device:
         listing = subprocess.run(
             ["avr-nm", str(self._image)], check=True, capture_output=True, text=True
         ).stdout
-        end = next(int(line.split()[0], 16) for line in listing.splitlines() if "_end" in line.split()[2:] )
+        end = next(
+            int(line.split()[0], 16) for line in listing.splitlines() if "_end" in line.split()[2:]
+        )
         memory = self.avr.peek(end & 0xFFFF, SRAM_END - (end & 0xFFFF))
         return next((i for i, byte in enumerate(memory) if byte != memory[0]), len(memory))
 

@@ -69,7 +69,10 @@ class Stream:
     def fill(self) -> None:
         """Until the ring is full or nothing is left."""
         before = None
-        while before != (self._sent_all, self.device.ack and self.device.ack.free) or self._unacknowledged:
+        while (
+            before != (self._sent_all, self.device.ack and self.device.ack.free)
+            or self._unacknowledged
+        ):
             before = (self._sent_all, self.device.ack and self.device.ack.free)
             for _ in range(8):
                 self.step()

@@ -32,6 +32,8 @@ class Range:
         motors: of the card.
         least_cycles: shortest interval of a plan,
         spread: and how much longer others may be.
+        least_ticks: of a piece, if the block has as many.
+        dwell_s: shortest and longest wait.
         throttled: start/stop rates are low, so that blocks are entered on a ramp.
     """
 
@@ -39,6 +41,7 @@ class Range:
     least_cycles: int
     spread: float = 6.0
     throttled: bool = False
+    least_ticks: int = 1
     dwell_s: tuple[float, float] = (0.001, 0.03)
 
 
@@ -47,9 +50,10 @@ def _laws(draw: st.DrawFn, ticks: int, given: Range) -> tuple[Piece, ...]:
     """Pieces for so many ticks, none faster than the range says."""
     least_q8 = max(given.least_cycles, _SHORTEST_BLOCK_CYCLES // ticks) * 256
     most_q8 = int(least_q8 * given.spread)
-    pieces = []
+    pieces: list[Piece] = []
     while ticks:
-        count = draw(st.integers(1, ticks)) if len(pieces) < 4 else ticks
+        least = min(ticks, given.least_ticks)
+        count = draw(st.integers(least, ticks)) if len(pieces) < 4 else ticks
         first_q8 = draw(st.integers(least_q8, most_q8))
         adds = st.integers((least_q8 - first_q8) // count + 1, (most_q8 - first_q8) // count)
         pieces.append(Piece(count, first_q8, draw(adds) if draw(st.booleans()) else 0))
@@ -63,7 +67,7 @@ def moves(draw: st.DrawFn, given: Range) -> Block:
     most = draw(st.sampled_from([1, 3, 40, 120]))
     steps = tuple(draw(st.integers(-most, most)) for _ in range(given.motors))
     if not any(steps):
-        steps = (1,) + steps[1:]
+        steps = (1, *steps[1:])
     ticks = max(map(abs, steps))
     mask = draw(st.sampled_from([0, 0, 0, 1, 2, 3]))
     jump_q8 = draw(st.integers(16, 255)) << draw(st.integers(8, 12))
@@ -86,8 +90,14 @@ def queues(draw: st.DrawFn, given: Range) -> list[Block]:
     return [*blocks[:-1], blocks[-1]._replace(ends_at_rest=True)]
 
 
-def play_both(kind: Kind, blocks: list[Block], late_cycles: int = 0) -> None:
-    """The same queue on core and firmware."""
+def play_both(kind: Kind, blocks: list[Block], exact: bool = True) -> None:
+    """The same queue on core and firmware.
+
+    Args:
+        kind: the card.
+        blocks: the queue.
+        exact: every beat at its cycle; else only the same writes in the same order.
+    """
     core = Core(kind)
     core.push(blocks)
     core.play()
@@ -95,16 +105,22 @@ def play_both(kind: Kind, blocks: list[Block], late_cycles: int = 0) -> None:
     device.push(blocks, core.dry)
     device.start()
     status = device.stand_still()
-    assert (status.ended, status.late_ticks) == (c.ENDED_TARGET, 0)
-    compare(core.writes(), device_writes(device), late_cycles)
+    assert status.ended == c.ENDED_TARGET
+    if exact:
+        assert status.late_ticks == 0
+        compare(core.writes(), device_writes(device))
+    else:
+        wanted = [w[1:] for w in core.writes()]
+        assert [w[1:] for w in device_writes(device)] == wanted
+        assert status.late_ticks <= sum(len(block.pieces) for block in blocks)
 
 
 EXACT_PHASES = Range(3, 9_000)
 EXACT_THROTTLED = Range(3, 12_000, throttled=True)
-FAST_PHASES = Range(3, 1_300)
+FAST_PHASES = Range(3, 1_300, least_ticks=8)
 #: Clock lines fall half an interval after an edge; after a long one little is left for a short one.
-EXACT_CLOCKS = Range(4, 8_000, spread=1.2, dwell_s=(0.0005, 0.0006))
-SLOW_CLOCKS = Range(4, 9_000, spread=1.2, dwell_s=(0.0006, 0.0007))
+EXACT_CLOCKS = Range(4, 10_000, spread=1.2, dwell_s=(0.0007, 0.0008))
+SLOW_CLOCKS = Range(4, 11_000, spread=1.2, dwell_s=(0.0007, 0.0008))
 
 
 @_SLOW
@@ -122,8 +138,8 @@ def test_phase_card_entered_on_ramps(blocks: list[Block]) -> None:
 @_SLOW
 @given(blocks=queues(FAST_PHASES))
 def test_phase_card_at_high_rates(blocks: list[Block]) -> None:
-    """The first beat of a block may come late, by less than a quarter of its tick."""
-    play_both(PHASES, blocks, late_cycles=1_200)
+    """The first tick of a piece may come late, and is counted then; nothing else changes."""
+    play_both(PHASES, blocks, exact=False)
 
 
 @_SLOW

@@ -13,7 +13,7 @@ from fraese.motor.bridge import constants as c
 from fraese.motor.bridge.codec import Place
 from fraese.motor.seams import Ended
 from tests.bridge.device import Device, reason_to_skip
-from tests.bridge.peers import OPEN, PHASES, Core, Write, compare, device_for, device_writes
+from tests.bridge.peers import OPEN, PHASES, Core, compare, device_for, device_writes
 
 pytestmark = pytest.mark.skipif(bool(reason_to_skip()), reason=reason_to_skip())
 
@@ -85,7 +85,8 @@ def test_brake_and_resume() -> None:
     base = duel.start_device()
     duel.device.urgent(c.URGENT_BRAKE, base + at)
     status = duel.device.stand_still()
-    assert held.held and status.state & c.State.HELD
+    assert held.held
+    assert status.state & c.State.HELD
     assert (status.place.serial, status.place.done) == (held.playing, held.tick)
     assert status.late_throttle == 0
     duel.finish()
@@ -125,7 +126,8 @@ def test_end_switch_stops_with_the_exact_count() -> None:
     duel.device.avr.schedule([(base + at, "C0", True)])
     status = duel.device.stand_still()
     assert (report.ended, status.ended) == (Ended.SWITCH, c.ENDED_SWITCH)
-    assert status.state & c.State.SWITCH and status.more & c.More.CONTACT
+    assert status.state & c.State.SWITCH
+    assert status.more & c.More.CONTACT
     assert status.contact_serial == 1
     duel.finish()
 
@@ -171,7 +173,9 @@ def test_running_dry_brakes_on_a_ramp() -> None:
     status = duel.device.stand_still()
     assert base
     assert (report.dry_queues, status.dry_queues) == (1, 1)
-    assert report.held and status.state & c.State.HELD and status.state & c.State.DRY
+    assert report.held
+    assert status.state & c.State.HELD
+    assert status.state & c.State.DRY
     assert (status.place.serial, status.place.done) == (report.playing, report.tick)
     duel.finish()
 
