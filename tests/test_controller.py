@@ -461,6 +461,29 @@ def test_a_port_that_goes_away_ends_the_job_and_the_references() -> None:
     assert state.referenced == (False,) * 3
 
 
+def test_late_ticks_and_dry_queues_are_owned_up_to() -> None:
+    controller = plant().controller
+    driver: Any = controller._driver
+    poll, polls = driver.poll, []
+
+    def busy(budget_s: float) -> Report:
+        polls.append(budget_s)
+        report: Report = poll(budget_s)
+        return replace(report, late_ticks=7 * (len(polls) > 9), dry_queues=2 * (len(polls) > 9))
+
+    told: list[str] = []
+    controller.set_tell(told.append)
+    controller.jog("x", 50)
+    driver.poll = busy
+    assert controller.run() is Status.OK
+    assert controller.state().message == told[-1]
+    assert "7 ticks came late" in told[-1]
+    assert "dry 2 times" in told[-1]
+    controller.jog("x", -1)
+    assert controller.run() is Status.OK
+    assert controller.state().message == ""
+
+
 def test_a_silent_program_is_an_alarm_of_its_own() -> None:
     made = homed()
     controller = made.controller
