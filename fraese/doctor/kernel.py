@@ -113,43 +113,52 @@ def _autogroup(patient: Patient) -> Finding:
 
 
 def _cores(patient: Patient) -> Finding:
-    kernel = patient.kernel
-    if len(kernel.cores) < 2:
+    kernel, mine = patient.kernel, _core_of_steps(patient)
+    usable = sorted({*kernel.cores, *kernel.isolated})
+    quietest, served = _quietest(kernel), kernel.device_interrupts
+    if len(usable) < 2:
         return Finding(
             "cores",
             State.WARN,
             "One only: the steps share it with the display and all else.",
             "Use a computer with two cores or more, or keep the step rates low.",
         )
-    mine = _core_of_steps(patient)
-    quietest = _quietest(kernel)
-    share = kernel.device_interrupts
-    if mine not in kernel.cores:
+    if mine not in usable:
         return Finding(
             "cores",
             State.WARN,
             f"realtime.core names core {mine}, which this program may not use.",
-            f"Name one of {', '.join(map(str, kernel.cores))}, or none.",
+            f"Name one of {', '.join(map(str, usable))}, or none.",
         )
+    if kernel.isolated:
+        return _isolated(kernel, mine)
     if quietest is not None and mine != quietest:
         return Finding(
             "cores",
             State.WARN,
-            f"{len(kernel.cores)}; the steps are made on core {mine}, which has served"
-            f" {share[mine]} interrupts of devices since boot, core {quietest} only"
-            f" {share[quietest]}.",
+            f"{len(usable)}; the steps are made on core {mine}, which has served {served[mine]}"
+            f" interrupts of devices since boot, core {quietest} only {served[quietest]}.",
             f"realtime.core = {quietest}",
         )
-    kept = f" (isolated: {kernel.isolated})" if kernel.isolated else ""
+    return Finding("cores", State.OK, f"{len(usable)}; the steps are made on core {mine}.")
+
+
+def _isolated(kernel: KernelFacts, mine: int) -> Finding:
+    if mine in kernel.isolated:
+        return Finding("cores", State.OK, f"The steps have core {mine} to themselves (isolcpus).")
+    free = kernel.isolated[-1]
     return Finding(
-        "cores", State.OK, f"{len(kernel.cores)}{kept}; the steps are made on core {mine}."
+        "cores",
+        State.WARN,
+        f"Core {free} is kept free of all else, but the steps are made on core {mine}.",
+        f"realtime.core = {free}",
     )
 
 
 def _core_of_steps(patient: Patient) -> int:
     """As the step process chooses it: the last one, if none is named."""
-    named = patient.config.realtime.core
-    return patient.kernel.cores[-1] if named is None else named
+    named, cores = patient.config.realtime.core, patient.kernel.cores
+    return max(cores, default=0) if named is None else named
 
 
 def _quietest(kernel: KernelFacts) -> int | None:

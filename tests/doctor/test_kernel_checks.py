@@ -134,6 +134,16 @@ def test_a_core_that_is_not_ours_is_named(tmp_path: Path) -> None:
     assert "core 7, which this program may not use" in finding.found
 
 
+def test_a_core_of_ones_own_is_to_be_used(tmp_path: Path) -> None:
+    root = sound_machine(tmp_path)
+    process(root, rights=ALL_RIGHTS, cores="0")
+    put(root, f"{CPU}/isolated", "1\n")
+    unused = by_name(ask(KERNEL_CHECKS, patient(root)))["cores"]
+    assert (unused.state, unused.change) == (State.WARN, "realtime.core = 1")
+    used = by_name(ask(KERNEL_CHECKS, patient(root, realtime={"core": 1})))["cores"]
+    assert (used.state, used.change) == (State.OK, "")
+
+
 @pytest.mark.parametrize(
     ("awake", "logind", "state"),
     [(True, True, State.OK), (False, True, State.WARN), (False, False, State.OK)],

@@ -80,7 +80,7 @@ def test_advice_names_a_core_of_ones_own_where_delays_are_long(tmp_path: Path) -
     facts = kernel_facts(50, sound_machine(tmp_path))
     long = timing(with_late(1), with_late(1))
     assert "isolcpus=1" in advice(long, facts)[0]
-    assert advice(long, replace(facts, isolated="1")) == []
+    assert advice(long, replace(facts, isolated=(1,))) == []
     assert advice(timing(with_late(0), with_late(0)), facts) == []
 
 

@@ -97,7 +97,7 @@ class RealtimeDriver:
             time.sleep(min(_LOOK_S, left_s))
             self._beat()
             told = session.look()
-        session.generation = told.generation
+        session.know(told.generation)
         return self._report(told)
 
     def brake(self) -> None:
@@ -124,6 +124,7 @@ class RealtimeDriver:
             StateError: while steps are being made.
         """
         self._command(mailbox.FLUSH)
+        self._session.forget()
 
     def idle(self, level: IdleLevel) -> None:
         """Set the standstill current.

@@ -56,7 +56,8 @@ class KernelFacts:
         lockable_bytes: memory that may be locked.
         autogroup: processes of a session share one weight.
         cores: those that this process may use.
-        isolated: those that the kernel keeps free of everything else; empty: none.
+        isolated: those that the kernel keeps free of everything else. They are not among the
+            ``cores``, but can be asked for by number.
         governors: frequency governors in use, without repetition.
         idle_states: of the first core.
         may_forbid_idle: /dev/cpu_dma_latency can be written.
@@ -74,7 +75,7 @@ class KernelFacts:
     lockable_bytes: int
     autogroup: bool
     cores: tuple[int, ...]
-    isolated: str
+    isolated: tuple[int, ...]
     governors: tuple[str, ...]
     idle_states: tuple[IdleState, ...]
     may_forbid_idle: bool
@@ -118,7 +119,7 @@ def kernel_facts(priority: int, root: Path = _ROOT) -> KernelFacts:
         ),
         autogroup=_number(kernel / "sched_autogroup_enabled") == 1,
         cores=_numbers(status.get("Cpus_allowed_list", "")),
-        isolated=_text(processors / "isolated"),
+        isolated=_numbers(_text(processors / "isolated")),
         governors=_governors(processors),
         idle_states=_idle_states(processors / "cpu0/cpuidle"),
         may_forbid_idle=os.access(root / "dev/cpu_dma_latency", os.W_OK),
