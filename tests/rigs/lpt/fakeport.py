@@ -17,7 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -42,6 +42,10 @@ _REFUSAL_AT: Final = 4
 _CAPACITY_AT: Final = 24
 _COUNT: Final = struct.Struct("<Q")
 _COUNT_AT: Final = 32
+_WIRING_AT: Final = 28
+_WIRINGS: Final = {"smc": 1, "stepdir": 2}
+_CARRIAGES: Final = struct.Struct("<iiiiii")
+_CARRIAGES_AT: Final = 40
 
 
 class Event(NamedTuple):
@@ -139,6 +143,21 @@ class FakePort:
         """From now on, refuse a kind of call (see ``REFUSALS``); 0: no more."""
         at = _REFUSAL_AT + 4 * REFUSALS.index(what)
         self._map[at : at + 4] = struct.pack("<i", errno)
+
+    def mount(self, wiring: str, travel_steps: Sequence[int]) -> None:
+        """Put a machine on the port: three carriages in the middle, a switch at each end.
+
+        Args:
+            wiring: "smc" or "stepdir".
+            travel_steps: from switch to switch, per motor.
+        """
+        self._map[_WIRING_AT] = _WIRINGS[wiring]
+        values = [value for travel in travel_steps for value in (travel // 2, travel)]
+        _CARRIAGES.pack_into(self._map, _CARRIAGES_AT, *values)
+
+    def carriages_steps(self) -> tuple[int, ...]:
+        """Where they stand, from the switch at the lower end."""
+        return _CARRIAGES.unpack_from(self._map, _CARRIAGES_AT)[::2]
 
     # --- the log ---------------------------------------------------------------------------------
 
