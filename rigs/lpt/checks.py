@@ -14,7 +14,13 @@ from fraese.motor.seams import CONTROL, DATA
 from rigs.lpt.machine import MARK, Access
 from tests.rigs.lpt.fakeport import CONTACT
 from tests.rigs.lpt.play import simulated_writes
-from tests.rigs.lpt.steps import MOTORS_OFF, check_contact, data_bytes, steps_made
+from tests.rigs.lpt.steps import (
+    MOTORS_OFF,
+    check_contact,
+    check_motors_off,
+    data_bytes,
+    steps_made,
+)
 
 Writes = Sequence[tuple[int, int]]
 
@@ -92,11 +98,7 @@ def motors_off(outcome: Outcome) -> None:
 
 def _ends_with_motors_off(writes: Writes) -> None:
     assert steps_made("smc", writes) > 0
-    last = [(DATA, byte) for byte in MOTORS_OFF]
-    assert [write for write in writes[-9:] if write[0] == DATA] == last
-    # Each byte is followed by its strobe: set, then clear.
-    strobes = [value & 1 for register, value in writes[-9:] if register == CONTROL]
-    assert strobes == [1, 0] * 3
+    check_motors_off(writes)
 
 
 def killed(outcome: Outcome) -> None:

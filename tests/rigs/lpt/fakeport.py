@@ -221,3 +221,9 @@ def writes(events: Iterable[Event]) -> list[tuple[int, int]]:
         for e in events
         if e.what == "W"
     ]
+
+
+def after_claim(events: list[Event]) -> list[Event]:
+    """What follows the opening: for ppdev the claim, for /dev/port the look at its registers."""
+    claims = [i for i, event in enumerate(events) if event.what == "C"]
+    return events[claims[0] + 1 if claims else 4 :]
