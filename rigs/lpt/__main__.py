@@ -19,6 +19,7 @@ def main(names: list[str]) -> int:
             started_s = time.monotonic()
             outcomes = run(BOOTS[name], kernel(), Path(folder))
             print(f"{name}: {time.monotonic() - started_s:.1f} s")
+            print(open(folder+"/job.log").read())
             for scenario, outcome in outcomes.items():
                 try:
                     check(scenario, outcome)
