@@ -41,14 +41,14 @@ def host_killed(kind: str) -> Said:
     return {
         "moving": moving,
         "code": host.returncode,
-        "took_s": time.monotonic() - killed_s,
+        "took_s": round(time.monotonic() - killed_s, 3),
         "left_on_pins": pins(),
     }
 
 
 def step_process_killed(kind: str) -> Said:
     """kill -9 of the step process while it moves; the program is told."""
-    driver = drive.driver_on("smc", kind)
+    driver = drive.forked_driver_on("smc", kind)
     for block in JOBS["endless"]():
         driver.push(block)
     driver.poll(0.1)
