@@ -241,6 +241,7 @@ class RunLoop:
         self.status = Status.ERROR
         self.error = error
         self.message = str(error)
+        self._keep_progress()
 
     def _conclude(self) -> None:
         """Say how the job ended."""
@@ -257,6 +258,9 @@ class RunLoop:
         mask = self._config.outputs.mask(*ended)
         if mask:
             self._driver.set_outputs(mask, 0)
+        self._keep_progress()
+
+    def _keep_progress(self) -> None:
         if self._progress is not None:
             self._progress = self._progress_now(self._progress)
 

@@ -61,7 +61,7 @@ def _run_app(plant: Plant, program: Path | None) -> int:
     from fraese.ui.app import FraeseApp
 
     try:
-        FraeseApp(
+        ui = FraeseApp(
             plant.controller,
             open_program=partial(open_program, apart=True),
             notes=plant.notes,
@@ -69,10 +69,12 @@ def _run_app(plant: Plant, program: Path | None) -> int:
             program=program,
             machine_name=plant.machine_name,
             hand=plant.press if plant.is_simulated else None,
-        ).run()
+        )
+        ui.run()
     finally:
         plant.close()
-    return 0
+    # After a signal it says which.
+    return ui.return_code or 0
 
 
 def main() -> None:
