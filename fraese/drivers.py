@@ -5,13 +5,13 @@
     ppdev        the core, in a process of its own            the machine's
     devport      likewise
 
-Another one is a class behind the ``StepDriver`` seam, and a row in ``DRIVERS``.
+Another port is a class behind the ``Port`` seam, and a row in ``PORTS`` and in ``DRIVERS``.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Final, Literal, NamedTuple
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 from fraese.config import AXIS_NAMES, Config
 from fraese.endswitches import contact_bits
@@ -23,6 +23,9 @@ from fraese.motor.ports.sim import RotorState, SimulatedMill
 from fraese.motor.seams import Card, Clock, Port, StepDriver
 from fraese.motor.switches import SwitchInput
 from fraese.simulation import simulated_mill
+
+if TYPE_CHECKING:
+    from fraese.motor.realtime.setup import RealtimeOptions
 
 ClockName = Literal["virtual", "paced"]
 
@@ -103,47 +106,57 @@ def _on_simulated_mill(order: Order) -> Made:
     return Made(core, clock, _SLICE_S[order.clock], mill)
 
 
-def _in_real_time(open_port: Callable[[], Port], order: Order) -> Made:
-    # Only where there is such a port: what the child needs exists on Linux only.
-    from fraese.motor.realtime.driver import RealtimeDriver
-    from fraese.motor.realtime.setup import ChargePump, RealtimeOptions, Setup
+def realtime_options(config: Config) -> "RealtimeOptions":
+    """How the step process gets its time, as configured."""
+    from fraese.motor.realtime.setup import ChargePump, RealtimeOptions
 
-    config = order.config
     heartbeat = config.outputs.bit("heartbeat")
     pump = None if heartbeat is None else ChargePump(heartbeat, config.realtime.heartbeat_hz)
-    options = RealtimeOptions(
+    return RealtimeOptions(
         top_rate_hz=max(getattr(config.axes, name).max_rate_hz for name in AXIS_NAMES),
         core=config.realtime.core,
         silent_s=config.realtime.silent_s,
         pump=pump,
     )
-    driver = RealtimeDriver(
-        Setup(
-            open_port,
-            order.card,
-            switch=order.switch,
-            settle_s=order.settle_s,
-            safe_outputs=order.safe_outputs,
-            options=options,
-        )
+
+
+def _in_real_time(order: Order) -> Made:
+    # Only where there is such a port: what the child needs exists on Linux only.
+    from fraese.motor.realtime.awake import Awake
+    from fraese.motor.realtime.driver import RealtimeDriver
+    from fraese.motor.realtime.setup import Setup
+
+    setup = Setup(
+        PORTS[order.config.port.kind](order.config),
+        order.card,
+        switch=order.switch,
+        settle_s=order.settle_s,
+        safe_outputs=order.safe_outputs,
+        options=realtime_options(order.config),
     )
-    return Made(driver, MonotonicClock(), _METAL_SLICE_S)
+    return Made(RealtimeDriver(setup, Awake()), MonotonicClock(), _METAL_SLICE_S)
 
 
-def _on_ppdev(order: Order) -> Made:
+def _ppdev(config: Config) -> Callable[[], Port]:
     from fraese.motor.ports.ppdev import PpdevPort
 
-    return _in_real_time(partial(PpdevPort, order.config.port.device), order)
+    return partial(PpdevPort, config.port.device)
 
 
-def _on_devport(order: Order) -> Made:
+def _devport(config: Config) -> Callable[[], Port]:
     from fraese.motor.ports.devport import DevPort
 
-    return _in_real_time(partial(DevPort, order.config.port.base), order)
+    return partial(DevPort, config.port.base)
 
+
+#: Ports of metal: what opens each, as configured.
+PORTS: Final[Mapping[str, Callable[[Config], Callable[[], Port]]]] = {
+    "ppdev": _ppdev,
+    "devport": _devport,
+}
 
 DRIVERS: Final[Mapping[str, Callable[[Order], Made]]] = {
     "simulation": _on_simulated_mill,
-    "ppdev": _on_ppdev,
-    "devport": _on_devport,
+    "ppdev": _in_real_time,
+    "devport": _in_real_time,
 }

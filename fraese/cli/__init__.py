@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from fraese.assembly import Plant
-from fraese.cli import files, motion
+from fraese.cli import doctor, files, motion
 from fraese.cli.shared import ConfigOption, FreshOption, StartingPlace, StateOption, leave
 from fraese.errors import UsageError
 from fraese.program import open_program
@@ -24,6 +24,7 @@ app = typer.Typer(
 )
 app.add_typer(motion.app)
 app.add_typer(files.app)
+app.add_typer(doctor.app)
 
 
 @app.callback(invoke_without_command=True)

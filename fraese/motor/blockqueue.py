@@ -65,9 +65,23 @@ class BlockQueue:
         require_sound(block, self._motors)
         if len(self._blocks) >= self._capacity:
             return False
-        self._blocks.append(block)
-        self.dry_point = self._horizon.add(self.serial + len(self._blocks), block)
+        self.accept(block, self._horizon.add(self.next_serial, block))
         return True
+
+    def accept(self, block: Block, dry_point: DryPoint | None) -> None:
+        """Take a block that somebody else has looked at, and knows to be sound; there is room.
+
+        Args:
+            block: what to play.
+            dry_point: where braking must begin if it stays the last one; None: nowhere.
+        """
+        self._blocks.append(block)
+        self.dry_point = dry_point
+
+    @property
+    def next_serial(self) -> int:
+        """The number that the next block will get."""
+        return self.serial + len(self._blocks) + 1
 
     def take(self) -> Block | None:
         """The next block, into the hand of the player."""

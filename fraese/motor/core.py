@@ -11,6 +11,7 @@ Rule 3: on the way out the motors are off and the port is given back, whatever g
 """
 
 from fraese.blocks import Q8, Block
+from fraese.motor.horizon import DryPoint
 from fraese.motor.run import Run
 from fraese.motor.seams import Card, Clock, Ended, IdleLevel, Port, Report, SwitchMode
 from fraese.motor.switches import SwitchInput
@@ -65,6 +66,18 @@ class MotorCore:
             return False
         self._run.governor.refilled()
         return True
+
+    def accept(self, block: Block, dry_point: DryPoint | None) -> None:
+        """Take a block whose dry point somebody else has computed, with time to spare.
+
+        Args:
+            block: a sound one; there must be room for it.
+            dry_point: where braking must begin if nothing comes after it, its block counted from
+                this one on: 0 or less. None: nowhere.
+        """
+        queue = self._run.queue
+        queue.accept(block, dry_point and dry_point.moved(queue.next_serial))
+        self._run.governor.refilled()
 
     def brake(self) -> None:
         """Close the throttle; the queue stays. From any thread."""

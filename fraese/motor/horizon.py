@@ -36,6 +36,10 @@ class DryPoint(NamedTuple):
     serial: int
     ticks_done: int
 
+    def moved(self, by: int) -> "DryPoint":
+        """The same point for one who counts the blocks from another one on."""
+        return DryPoint(self.serial + by, self.ticks_done)
+
 
 class _Ahead(NamedTuple):
     """A block that does not end at rest, and what can be shed in it and in all before it."""

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from itertools import count
 
 from fraese.blocks import Block
+from fraese.motor.horizon import Horizon
 from fraese.motor.realtime import mailbox
 from fraese.motor.realtime import memory as shared
 from fraese.motor.realtime.chores import Chores
@@ -109,6 +110,8 @@ class Room:
         self.chores.reporter.write(0)
         self._ring = RingWriter(self.words, self.memory.ring)
         self._numbers = count(1)
+        self._horizon = Horizon()
+        self._pushed = 0
         self.generation = 0
         self.alive = True
         self._beat()
@@ -122,7 +125,10 @@ class Room:
 
     def push(self, *blocks: Block) -> None:
         for block in blocks:
-            assert self._ring.put(encode(block, self.generation))
+            self._pushed += 1
+            point = self._horizon.add(self._pushed, block)
+            relative = point and point.moved(-self._pushed)
+            assert self._ring.put(encode(block, self.generation, relative))
 
     def ask(self) -> int:
         number = self.words[shared.ASKED] = next(self._numbers)

@@ -13,8 +13,10 @@ from fraese.motor.realtime.clock import RealtimeClock
 from fraese.motor.realtime.measure import (
     Duty,
     Lateness,
+    Rung,
     highest_rate_hz,
     hogs,
+    ladder,
     measure,
     smc_duty,
     stepdir_duty,
@@ -83,9 +85,24 @@ def test_late_edges_are_those_later_than_a_quarter() -> None:
     assert result.late_edges() == 2
 
 
-def test_a_rate_that_nobody_can_play_is_not_the_highest() -> None:
-    rates_hz = (500.0, 1e6)
-    assert highest_rate_hz(stepdir_duty("paper", motors=1), 0.3, rates_hz) < 1e6
+def test_a_rate_that_nobody_can_play_ends_the_ladder() -> None:
+    rungs = ladder(stepdir_duty("paper", motors=1), 0.2, (500.0, 1e6, 2e6))
+    assert not rungs[-1].holds
+    assert rungs[-1].rate_hz <= 1e6
+    assert highest_rate_hz(rungs) < 1e6
+
+
+@pytest.mark.parametrize(
+    ("rung", "holds"),
+    [
+        (Rung(5000.0, 49.0, 4990.0), True),
+        (Rung(5000.0, 51.0, 4990.0), False),
+        (Rung(100_000.0, 0.5, 80_000.0), False),
+    ],
+)
+def test_a_rate_holds_if_it_is_played_and_on_time(rung: Rung, holds: bool) -> None:
+    assert rung.holds is holds
+    assert highest_rate_hz([rung]) == (rung.rate_hz if holds else 0.0)
 
 
 def test_no_machine_leaves_a_loop_alone_for_ever() -> None:

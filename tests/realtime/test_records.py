@@ -7,9 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fraese.blocks import Block, Outputs, Piece, Watch, WatchAction
+from fraese.motor.blockqueue import BlockQueue
+from fraese.motor.horizon import DryPoint, Horizon
 from fraese.motor.realtime import memory as shared
-from fraese.motor.realtime.records import Decoder, decode, encode, size_at
+from fraese.motor.realtime.records import Decoder, decode, encode, size_at, size_of
 from fraese.motor.realtime.ring import RingReader, RingWriter
+from tests.motor.workbench import steady
 
 WORD = st.integers(-(2**63), 2**63 - 1)
 SMALL = st.integers(0, 255)
@@ -29,23 +32,47 @@ BLOCKS = st.builds(
 )
 
 
-@given(BLOCKS, st.integers(0, 2**62))
-def test_what_is_read_is_what_was_written(block: Block, generation: int) -> None:
-    record = encode(block, generation)
-    assert decode(memoryview(record)) == (block, generation)
-    assert size_at(memoryview(record), 0) == len(record)
+DRY_POINTS = st.none() | st.builds(DryPoint, st.integers(-256, 0), st.integers(0, 2**62))
+
+
+@given(BLOCKS, st.integers(0, 2**62), DRY_POINTS)
+def test_what_is_read_is_what_was_written(
+    block: Block, generation: int, dry_point: DryPoint | None
+) -> None:
+    record = encode(block, generation, dry_point)
+    assert decode(memoryview(record)) == (block, generation, dry_point)
+    assert size_at(memoryview(record), 0) == len(record) == size_of(block)
     assert len(record) % 8 == 0
+
+
+@given(st.lists(st.tuples(st.integers(1, 400), st.integers(500, 5000), st.booleans()), min_size=1))
+def test_a_dry_point_that_was_sent_is_the_one_that_the_core_would_find(
+    lines: list[tuple[int, int, bool]],
+) -> None:
+    """Blocks of so many ticks at such a rate; some are played, before the next is pushed."""
+    motors = len(steady(1).steps)
+    alone, told, horizon = BlockQueue(motors, 1000), BlockQueue(motors, 1000), Horizon()
+    for number, (ticks, rate_hz, played) in enumerate(lines, 1):
+        block = steady(ticks, rate_hz=rate_hz, ends_at_rest=False)
+        found = horizon.add(number, block)
+        record = encode(block, 0, found and found.moved(-number))
+        _, _, point = decode(memoryview(record))
+        told.accept(block, point and point.moved(told.next_serial))
+        alone.push(block)
+        assert told.dry_point == alone.dry_point
+        if played:
+            assert told.take() == alone.take()
 
 
 @given(BLOCKS)
 def test_a_long_law_is_read_in_many_small_steps(block: Block) -> None:
-    steps = list(Decoder().steps(memoryview(encode(block, 0)), 0))
+    steps = list(Decoder().steps(memoryview(encode(block, 0, None)), 0))
     assert len(steps) >= 1 + len(block.pieces) / 4
 
 
 def test_a_number_that_is_too_long_is_refused() -> None:
     with pytest.raises(ValueError, match="64 bits"):
-        encode(Block((1,), (Piece(1, 256),), weight=2**63), 0)
+        encode(Block((1,), (Piece(1, 256),), weight=2**63), 0, None)
 
 
 def record(size: int, name: int) -> bytes:

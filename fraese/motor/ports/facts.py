@@ -32,6 +32,11 @@ STATUS_PINS: Final = {
     15: (0x08, False),
 }
 
+#: Control register bit behind each DB25 pin, and whether pin and register are inverted.
+CONTROL_PINS: Final = {1: (0x01, True), 14: (0x02, True), 16: (0x04, False), 17: (0x08, True)}
+#: The data register's bits, from the lowest on.
+DATA_PINS: Final = tuple(range(2, 10))
+
 #: Kernel modules that matter, and what for.
 MODULES: Final = {
     "parport_pc": "drives the port",
@@ -140,6 +145,20 @@ def status_lines(port: Port) -> StatusLines:
             (pin, bool(register & bit) != inverted) for pin, (bit, inverted) in STATUS_PINS.items()
         ),
     )
+
+
+def output_pins(data: int, control: int) -> tuple[tuple[int, bool], ...]:
+    """What stands on the outputs: DB25 pin, and whether it is high; from the lowest pin on.
+
+    Args:
+        data: data register, as it was written last.
+        control: control register, likewise.
+    """
+    pins = [(pin, bool(data >> bit & 1)) for bit, pin in enumerate(DATA_PINS)]
+    pins += [
+        (pin, bool(control & bit) != inverted) for pin, (bit, inverted) in CONTROL_PINS.items()
+    ]
+    return tuple(sorted(pins))
 
 
 def device_facts(path: str, root: Path = _ROOT) -> DeviceFacts:

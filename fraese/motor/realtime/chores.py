@@ -42,11 +42,6 @@ from fraese.motor.realtime.report import Reporter
 from fraese.motor.realtime.ring import RingReader
 from fraese.motor.realtime.setup import RealtimeOptions
 
-#: Room for taking a block into the queue, ns, and for each piece of its law.
-_PUSH_NS: Final = 30_000
-_PIECE_NS: Final = 1_500
-#: With fewer blocks in the queue a late tick is the smaller evil.
-_FEW_BLOCKS: Final = 8
 #: Room for a change of outputs, ns: a phase card may have to write a table of movements for it.
 _OUTPUTS_NS: Final = 100_000
 #: A report is written at least so often where there is time, ns.
@@ -216,14 +211,11 @@ class Chores:
         yield from decoder.steps(self._memory.ring, ring.first())
         block = decoder.block
         assert block is not None
-        if len(self._run.queue) >= _FEW_BLOCKS:
-            self._needs(_PUSH_NS + _PIECE_NS * len(block.pieces))
         yield
-        self._needs(0)
         if self._is_dropping():
             return
         if decoder.generation == self.reporter.generation:
-            self._core.push(block)
+            self._core.accept(block, decoder.dry_point)
         else:
             self._run.queue.serial += 1
         ring.drop_first()

@@ -33,6 +33,8 @@ PERCENTILES: Final = (50.0, 99.0, 99.9, 100.0)
 _POLL_S: Final = 0.02
 _LEAD_S: Final = 1.0
 _ROOM: Final = 1.1
+#: So much of a rate must be played where it is said to hold.
+_AS_WANTED: Final = 0.98
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +124,9 @@ def measure(duty: Duty, seconds: float) -> Lateness:
     Raises:
         PortError: if the child does not start, or dies.
     """
-    ticks = round(duty.rate_hz * seconds)
+    ticks = max(2, round(duty.rate_hz * seconds))
+    # At a low rate one long block would take longer than that.
+    duty = replace(duty, block_ticks=min(duty.block_ticks, ticks))
     meter = (
         Meter(DATA, _CLOCKS, round(ticks * _ROOM) + 1)
         if duty.card.fall
@@ -147,10 +151,34 @@ def measure(duty: Duty, seconds: float) -> Lateness:
     return Lateness(duty, late_us, played_hz, late_ticks, dry_queues, driver.notes)
 
 
-def highest_rate_hz(duty: Duty, seconds: float, rates_hz: Sequence[float]) -> float:
-    """The highest of some rates at which 999 of 1000 edges are late by less than a quarter.
+@dataclass(frozen=True, slots=True)
+class Rung:
+    """One rate that was tried.
 
-    A quarter of their interval, that is. Rates are tried from the lowest up, until one fails.
+    Attributes:
+        rate_hz: ticks a second that were wanted.
+        p999_us: 999 of 1000 edges were less late than this.
+        played_hz: ticks a second that were made.
+    """
+
+    rate_hz: float
+    p999_us: float
+    played_hz: float
+
+    @property
+    def holds(self) -> bool:
+        """999 of 1000 edges are late by less than a quarter of the interval, and none is missing.
+
+        A loop that is too slow shifts all that follows: it is not late, it plays more slowly.
+        """
+        quarter_us = 1e6 / self.rate_hz / 4
+        return self.p999_us < quarter_us and self.played_hz > _AS_WANTED * self.rate_hz
+
+
+def ladder(duty: Duty, seconds: float, rates_hz: Sequence[float]) -> list[Rung]:
+    """Try some rates from the lowest up, until one does not hold, twice in a row.
+
+    Twice, since one long delay by somebody else says nothing about the rate.
 
     Args:
         duty: what has to be done.
@@ -158,16 +186,27 @@ def highest_rate_hz(duty: Duty, seconds: float, rates_hz: Sequence[float]) -> fl
         rates_hz: ascending.
 
     Returns:
-        0 if even the lowest is too much.
+        What came of each that was tried; all but the last hold, or all.
     """
-    best_hz = 0.0
+    rungs = []
     for rate_hz in rates_hz:
-        tried = replace(duty, rate_hz=rate_hz)
-        result = measure(tried, seconds)
-        if result.percentiles_us()[2] >= tried.interval_us / 4:
+        tried = _rung(duty, seconds, rate_hz)
+        if not tried.holds:
+            tried = _rung(duty, seconds, rate_hz)
+        rungs.append(tried)
+        if not tried.holds:
             break
-        best_hz = rate_hz
-    return best_hz
+    return rungs
+
+
+def highest_rate_hz(rungs: Sequence[Rung]) -> float:
+    """The highest rate of a ladder that holds; 0: not even the lowest."""
+    return max((rung.rate_hz for rung in rungs if rung.holds), default=0.0)
+
+
+def _rung(duty: Duty, seconds: float, rate_hz: float) -> Rung:
+    result = measure(replace(duty, rate_hz=rate_hz), seconds)
+    return Rung(rate_hz, result.percentiles_us()[2], result.played_hz)
 
 
 def _play(driver: RealtimeDriver, duty: Duty, ticks: int) -> tuple[int, int]:

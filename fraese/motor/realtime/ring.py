@@ -34,20 +34,33 @@ class RingWriter:
         Raises:
             ValueError: if there would be no room even in an empty ring.
         """
-        # Half: the rest up to the end may have to be skipped.
-        if len(record) > self._bytes // 2:
-            raise ValueError(f"a block of {len(record)} bytes is too long for the ring")
-        head: int = self._words[RING_HEAD]
-        at = head % self._bytes
-        skipped = self._bytes - at if at + len(record) > self._bytes else 0
-        if head + skipped + len(record) - self._words[RING_TAIL] > self._bytes:
+        if not self.has_room(len(record)):
             return False
+        head: int = self._words[RING_HEAD]
+        at, skipped = head % self._bytes, self._skipped(len(record))
         if skipped:
             struct.pack_into("=q", self._ring, at, 0)
             at = 0
         self._ring[at : at + len(record)] = record
         self._words[RING_HEAD] = head + skipped + len(record)
         return True
+
+    def has_room(self, size: int) -> bool:
+        """A record of so many bytes can be put.
+
+        Raises:
+            ValueError: if there would be no room even in an empty ring.
+        """
+        # Half: the rest up to the end may have to be skipped.
+        if size > self._bytes // 2:
+            raise ValueError(f"a block of {size} bytes is too long for the ring")
+        filled: int = self._words[RING_HEAD] - self._words[RING_TAIL]
+        return filled + self._skipped(size) + size <= self._bytes
+
+    def _skipped(self, size: int) -> int:
+        """Bytes up to the end of the ring, where they do not suffice for a record."""
+        left: int = self._bytes - self._words[RING_HEAD] % self._bytes
+        return left if size > left else 0
 
 
 class RingReader:

@@ -16,6 +16,7 @@ from typing import Final, NoReturn
 
 from fraese.blocks import Block
 from fraese.errors import PortError, StateError
+from fraese.motor.horizon import Horizon
 from fraese.motor.realtime import mailbox
 from fraese.motor.realtime.memory import (
     ANSWER,
@@ -26,7 +27,7 @@ from fraese.motor.realtime.memory import (
     WISHES,
 )
 from fraese.motor.realtime.process import ChildProcess
-from fraese.motor.realtime.records import encode
+from fraese.motor.realtime.records import encode, size_of
 from fraese.motor.realtime.report import Told, read
 from fraese.motor.realtime.ring import RingWriter
 from fraese.motor.realtime.setup import Setup
@@ -49,7 +50,7 @@ class Session:
     Attributes:
         child: the process.
         pushed: blocks that it was given.
-        generation: how many ends of runs the caller knows of; set it when he is told.
+        generation: how many ends of runs the caller knows of (``know``).
         over: it is dead, and that was told.
 
     Raises:
@@ -65,6 +66,7 @@ class Session:
         self._words = self._memory.words
         self._ring = RingWriter(self._words, self._memory.ring)
         self._sequence = 0
+        self._horizon = Horizon()
         self.pushed = 0
         self.generation = 0
         self.over = False
@@ -94,10 +96,24 @@ class Session:
         """
         if self.pushed - self.look().report.playing >= self._capacity:
             return False
-        if not self._ring.put(encode(block, self.generation)):
+        if not self._ring.has_room(size_of(block)):
             return False
+        # Here there is time for it; the child would have to do it between two ticks.
+        dry_point = self._horizon.add(self.pushed + 1, block)
+        relative = dry_point and dry_point.moved(-self.pushed - 1)
+        self._ring.put(encode(block, self.generation, relative))
         self.pushed += 1
         return True
+
+    def know(self, generation: int) -> None:
+        """The caller was told of so many ends of runs: what he pushed before is dropped."""
+        if generation != self.generation:
+            self.generation = generation
+            self.forget()
+
+    def forget(self) -> None:
+        """The queue was dropped: what comes begins at rest."""
+        self._horizon.reset()
 
     def look(self) -> Told:
         """The last report, as it is."""

@@ -22,7 +22,7 @@ from typing import Final
 
 from fraese.motor.realtime.setup import SLEEP_GAP_S, Setup
 
-_PRIORITY: Final = 50
+PRIORITY: Final = 50
 _NICE: Final = -20
 _RT_RUNTIME: Final = Path("/proc/sys/kernel/sched_rt_runtime_us")
 _AUTOGROUP: Final = Path("/proc/self/autogroup")
@@ -77,10 +77,10 @@ def _come_first(setup: Setup) -> str:
     sleeps = setup.gap_s() >= SLEEP_GAP_S
     if sleeps or (rt_is_unlimited() and (os.cpu_count() or 1) > 1):
         try:
-            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_PRIORITY))
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
         except OSError as error:
             return f"no SCHED_FIFO ({error.strerror}); {_be_nice()}"
-        return f"SCHED_FIFO {_PRIORITY}"
+        return f"SCHED_FIFO {PRIORITY}"
     return _be_nice()
 
 

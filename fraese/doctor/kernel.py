@@ -1,0 +1,257 @@
+"""Does the system let the step process be on time? A table of checks.
+
+Rule 1: nothing here is bad by itself: whether the steps are on time is measured (``timing.py``).
+        What could make them late is a warning, and says how to take it away.
+Rule 2: who can sleep between two edges needs SCHED_FIFO; who cannot needs nice -20, since a
+        real-time process that never sleeps is stopped by the kernel's throttling.
+"""
+
+from collections.abc import Sequence
+from typing import Final
+
+from fraese.doctor.findings import Check, Finding, Patient, State
+from fraese.motor.realtime.kernel import KernelFacts
+
+_NICE_WANTED: Final = -20
+#: What the step process locks, with room to spare, bytes.
+_LOCKED_BYTES: Final = 256 << 20
+#: A processor that wakes later than this makes ticks late that are waited for asleep, us.
+_WAKE_US: Final = 20
+_LIMITS: Final = "/etc/security/limits.d/fraese.conf"
+#: A clock that needs a bus cycle costs a microsecond a look, and the loop looks all the time.
+_FAST_CLOCKS: Final = ("tsc", "kvm-clock", "arch_sys_counter", "hyperv_clocksource_tsc_page")
+_FAST_GOVERNORS: Final = frozenset({"performance"})
+#: From so many times as many interrupts on, another core would be quieter.
+_BUSY_FACTOR: Final = 4
+#: Fewer in all are no disturbance.
+_FEW_INTERRUPTS: Final = 10_000
+
+
+def _limits(item: str, value: str) -> str:
+    return f"Write @lp - {item} {value} into {_LIMITS} (lp: a group of yours) and log in again."
+
+
+def _realtime(patient: Patient) -> Finding:
+    name = "real-time scheduling"
+    if not patient.sleeps:
+        return Finding(
+            name,
+            State.OK,
+            "Not wanted: at the configured rates the step process never sleeps, and runs with"
+            " nice -20.",
+        )
+    if patient.kernel.may_be_realtime:
+        return Finding(name, State.OK, "Allowed: the step process runs under SCHED_FIFO.")
+    return Finding(
+        name,
+        State.WARN,
+        "Not allowed (RLIMIT_RTPRIO is too low): other programs delay the steps.",
+        _limits("rtprio", "50"),
+    )
+
+
+def _throttling(patient: Patient) -> Finding:
+    name, share = "real-time throttling", patient.kernel.throttle_share
+    if share is None:
+        return Finding(name, State.OK, "Off, or not known to this kernel.")
+    stopped_ms = (1 - share) * patient.kernel.rt_period_us / 1000
+    held = f"Real-time processes get {share:.0%} of each second (sched_rt_runtime_us)"
+    if patient.sleeps:
+        return Finding(
+            name,
+            State.OK,
+            f"{held}: harmless, the configured rates leave the step process time to sleep.",
+        )
+    return Finding(
+        name,
+        State.WARN,
+        f"{held}: the configured rates leave no time to sleep, and SCHED_FIFO would be stopped for"
+        f" {stopped_ms:.0f} ms at a time. So it is not used.",
+        "With a core to spare: sudo sysctl kernel.sched_rt_runtime_us=-1. Or lower"
+        " axes.*.max_rate_hz.",
+    )
+
+
+def _nice(patient: Patient) -> Finding:
+    nicest = patient.kernel.nicest
+    if nicest <= _NICE_WANTED:
+        return Finding("nice", State.OK, f"Down to {nicest} is allowed.")
+    needed = not (patient.sleeps and patient.kernel.may_be_realtime)
+    return Finding(
+        "nice",
+        State.WARN if needed else State.OK,
+        f"Only down to {nicest} is allowed (RLIMIT_NICE).",
+        _limits("nice", str(_NICE_WANTED)) if needed else "",
+    )
+
+
+def _memory(patient: Patient) -> Finding:
+    lockable = patient.kernel.lockable_bytes
+    if lockable >= _LOCKED_BYTES:
+        return Finding("locked memory", State.OK, "As much as the step process needs.")
+    return Finding(
+        "locked memory",
+        State.WARN,
+        f"{lockable >> 10} KiB at most (RLIMIT_MEMLOCK): the step process may have to wait for the"
+        " disk.",
+        _limits("memlock", "unlimited"),
+    )
+
+
+def _autogroup(patient: Patient) -> Finding:
+    kernel = patient.kernel
+    if not kernel.autogroup:
+        return Finding("autogroup", State.OK, "Off.")
+    if kernel.nicest <= _NICE_WANTED or (patient.sleeps and kernel.may_be_realtime):
+        return Finding("autogroup", State.OK, "On; the step process' own group comes first.")
+    return Finding(
+        "autogroup",
+        State.WARN,
+        "On: each session gets the same share, however nice its processes are.",
+        "sudo sysctl kernel.sched_autogroup_enabled=0",
+    )
+
+
+def _cores(patient: Patient) -> Finding:
+    kernel, mine = patient.kernel, _core_of_steps(patient)
+    usable = sorted({*kernel.cores, *kernel.isolated})
+    quietest, served = _quietest(kernel), kernel.device_interrupts
+    if len(usable) < 2:
+        return Finding(
+            "cores",
+            State.WARN,
+            "One only: the steps share it with the display and all else.",
+            "Use a computer with two cores or more, or keep the step rates low.",
+        )
+    if mine not in usable:
+        return Finding(
+            "cores",
+            State.WARN,
+            f"realtime.core names core {mine}, which this program may not use.",
+            f"Name one of {', '.join(map(str, usable))}, or none.",
+        )
+    if kernel.isolated:
+        return _isolated(kernel, mine)
+    if quietest is not None and mine != quietest:
+        return Finding(
+            "cores",
+            State.WARN,
+            f"{len(usable)}; the steps are made on core {mine}, which has served {served[mine]}"
+            f" interrupts of devices since boot, core {quietest} only {served[quietest]}.",
+            f"realtime.core = {quietest}",
+        )
+    return Finding("cores", State.OK, f"{len(usable)}; the steps are made on core {mine}.")
+
+
+def _isolated(kernel: KernelFacts, mine: int) -> Finding:
+    if mine in kernel.isolated:
+        return Finding("cores", State.OK, f"The steps have core {mine} to themselves (isolcpus).")
+    free = kernel.isolated[-1]
+    return Finding(
+        "cores",
+        State.WARN,
+        f"Core {free} is kept free of all else, but the steps are made on core {mine}.",
+        f"realtime.core = {free}",
+    )
+
+
+def _core_of_steps(patient: Patient) -> int:
+    """As the step process chooses it: the last one, if none is named."""
+    named, cores = patient.config.realtime.core, patient.kernel.cores
+    return max(cores, default=0) if named is None else named
+
+
+def _quietest(kernel: KernelFacts) -> int | None:
+    """A core with far fewer interrupts than the busiest, if there is a great difference."""
+    counts = kernel.device_interrupts
+    known = [core for core in kernel.cores if core < len(counts)]
+    if len(known) < 2:
+        return None
+    quiet = min(known, key=lambda core: counts[core])
+    busiest = max(counts[core] for core in known)
+    if busiest < max(_FEW_INTERRUPTS, _BUSY_FACTOR * counts[quiet]):
+        return None
+    return quiet
+
+
+def _governor(patient: Patient) -> Finding:
+    governors = patient.kernel.governors
+    if not governors:
+        return Finding("frequency", State.OK, "The kernel does not change it.")
+    if set(governors) <= _FAST_GOVERNORS:
+        return Finding("frequency", State.OK, "Governor performance: always the full one.")
+    return Finding(
+        "frequency",
+        State.WARN,
+        f"Governor {', '.join(governors)}: the processor may be slow when a tick comes.",
+        "sudo cpupower frequency-set -g performance",
+    )
+
+
+def _idle(patient: Patient) -> Finding:
+    kernel = patient.kernel
+    if not kernel.idle_states:
+        return Finding("idle states", State.OK, "The kernel does not manage any.")
+    deepest = max(kernel.idle_states, key=lambda state: state.wake_us)
+    found = f"Deepest {deepest.name}, {deepest.wake_us} us to wake"
+    if kernel.may_forbid_idle:
+        return Finding(
+            "idle states", State.OK, f"{found}; forbidden while steps are made (cpu_dma_latency)."
+        )
+    if kernel.slowest_wake_us <= _WAKE_US:
+        return Finding("idle states", State.OK, f"{found}; the slow ones are switched off.")
+    return Finding(
+        "idle states",
+        State.WARN,
+        f"{found}, and this user may not forbid it: /dev/cpu_dma_latency cannot be written.",
+        'Write KERNEL=="cpu_dma_latency", GROUP="lp", MODE="0660" into'
+        " /etc/udev/rules.d/60-fraese.rules and start the computer anew.",
+    )
+
+
+def _clock(patient: Patient) -> Finding:
+    source = patient.kernel.clocksource
+    if not source or source in _FAST_CLOCKS:
+        return Finding("clock", State.OK, f"{source or 'Unknown'}.")
+    return Finding(
+        "clock",
+        State.WARN,
+        f"{source}: every look at the time goes over a bus.",
+        "Boot with clocksource=tsc tsc=reliable, if the processor's own clock is sound.",
+    )
+
+
+def _hypervisor(patient: Patient) -> Finding:
+    if not patient.kernel.is_virtual:
+        return Finding("hypervisor", State.OK, "None: the processor belongs to this system.")
+    return Finding(
+        "hypervisor",
+        State.WARN,
+        "This is a virtual machine: its host takes the processor away when it likes, and nothing"
+        " here can forbid it.",
+        "Drive steel from a computer of its own.",
+    )
+
+
+def _suspend(patient: Patient) -> Finding:
+    kernel = patient.kernel
+    if patient.awake:
+        return Finding("suspend", State.OK, "Forbidden while the port is open (systemd-inhibit).")
+    if not kernel.has_logind:
+        return Finding(
+            "suspend",
+            State.OK,
+            f"Nobody here would send the machine to sleep (no logind); {patient.awake_note}.",
+        )
+    return Finding(
+        "suspend",
+        State.WARN,
+        f"Not forbidden while the motors move: {patient.awake_note}.",
+        "sudo systemctl mask sleep.target suspend.target, or switch it off in the desktop.",
+    )
+
+
+KERNEL_CHECKS: Final[Sequence[Check]] = (
+    _realtime, _throttling, _nice, _memory, _autogroup, _cores, _governor, _idle, _clock,
+    _hypervisor, _suspend,
+)  # fmt: skip
