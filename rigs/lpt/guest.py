@@ -27,7 +27,7 @@ from fraese.motor.core import MotorCore
 from fraese.motor.ports import facts
 from fraese.motor.seams import StepDriver
 from rigs.lpt import lives
-from rigs.lpt.drive import forked_driver_on
+from rigs.lpt.drive import driver_on
 from rigs.lpt.tools import (
     END_MARK,
     Here,
@@ -226,7 +226,7 @@ SCENARIOS: Final[Mapping[str, Callable[[], Said]]] = {
         for kind in PORTS
     },
     "driver's contact, smc on ppdev": partial(
-        driven, "driver's contact, smc on ppdev", partial(forked_driver_on, "smc", "ppdev")
+        driven, "driver's contact, smc on ppdev", partial(driver_on, "smc", "ppdev")
     ),
     "driver's job, smc on ppdev": partial(lives.driver_job, "smc", "ppdev"),
     "kill -9 of the program, ppdev": partial(lives.host_killed, "ppdev"),

@@ -48,7 +48,7 @@ def host_killed(kind: str) -> Said:
 
 def step_process_killed(kind: str) -> Said:
     """kill -9 of the step process while it moves; the program is told."""
-    driver = drive.forked_driver_on("smc", kind)
+    driver = drive.driver_on("smc", kind)
     for block in JOBS["endless"]():
         driver.push(block)
     driver.poll(0.1)
@@ -70,5 +70,5 @@ def _is_gone(pid: int) -> bool:
     try:
         with open(f"/proc/{pid}/stat") as file:
             return file.read().rpartition(")")[2].split()[0] == "Z"
-    except FileNotFoundError:
+    except (FileNotFoundError, ProcessLookupError):
         return True
