@@ -241,15 +241,15 @@ class PortConfig(Section):
     kind: Literal["simulation", "ppdev", "devport", "bridge"] = Field(
         "simulation",
         description=(
-            'The simulated mill, or a parallel port: "ppdev" through its driver, "devport" by its'
-            ' address (root only); or "bridge", a microcontroller on a serial port.'
+            "The simulated mill; a parallel port by its driver, or by its address (root only); a"
+            " bridge on a serial port."
         ),
     )
     device: str = Field(
         "",
         description=(
-            'Device file of the port, for "ppdev" and "bridge": its full path, from the slash on.'
-            " Empty: /dev/parport0, or the only board that looks like an Arduino."
+            'Full path, for "ppdev" and "bridge"; empty: /dev/parport0, or the only board that'
+            " looks like an Arduino."
         ),
     )
     baud: int = Field(

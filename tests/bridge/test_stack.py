@@ -61,8 +61,11 @@ class Stack:
         )
 
     def run(self, *words: str) -> "subprocess.CompletedProcess[str]":
-        process = self.start(*words)
-        out, err = process.communicate(timeout=PATIENCE_S)
+        with self.start(*words) as process:
+            try:
+                out, err = process.communicate(timeout=PATIENCE_S)
+            finally:
+                process.kill()
         return subprocess.CompletedProcess(words, process.returncode, out, err)
 
     def bridge(self, *words: str) -> "subprocess.CompletedProcess[str]":

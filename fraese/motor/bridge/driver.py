@@ -253,9 +253,14 @@ class BridgeDriver:
     def _confirm_shouts(self, session: Session) -> None:
         """Wait until the device has counted what was shouted."""
         link = session.link
-        while link.wants(c.URGENT_BRAKE) or link.wants(c.URGENT_STOP):
+
+        def confirmed() -> bool:
+            if not (link.wants(c.URGENT_BRAKE) or link.wants(c.URGENT_STOP)):
+                return True
             link.ask()
-            session.pump(_ANSWER_S)
+            return False
+
+        session.pump_until(confirmed)
 
     def _drop(self, session: Session, ended: Ended) -> None:
         """Drop the queue of a device that stands, and what never got there."""

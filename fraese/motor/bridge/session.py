@@ -31,6 +31,10 @@ from fraese.motor.seams import Clock
 
 #: Who does not answer for so long is gone; the device's own watchdog needs 250 ms.
 DEAF_S: Final = 0.6
+#: Who answers, but does not come to what is waited for in this time, never will.
+STUCK_S: Final = 3.0
+#: A longer gap between two looks at the line was a pause of this program, and is not counted.
+_PAUSE_NS: Final = 50_000_000
 #: Longest wait for bytes: then it is looked whether something must be said again.
 _SLICE_S: Final = 0.005
 #: At the end there is nothing to lose but time.
@@ -100,13 +104,18 @@ class Session:
             raise PortError(f"The bridge on {self._name} does not answer any more")
 
     def pump_until(self, done: Callable[[], bool]) -> None:
-        """Pump until something is so; the device's silence ends it.
+        """Pump until something is so; the device's silence ends it, and so does waiting in vain.
 
         Raises:
             PortError: as ``pump``.
         """
+        waited_ns, since_ns = 0, self._clock.now_ns()
         while not done():
             self.pump(_SLICE_S)
+            now_ns = self._clock.now_ns()
+            waited_ns, since_ns = waited_ns + min(now_ns - since_ns, _PAUSE_NS), now_ns
+            if waited_ns > STUCK_S * _NS_PER_S:
+                raise PortError(f"The bridge on {self._name} answers, but does not follow")
 
     # --- saying ----------------------------------------------------------------------------------
 
@@ -131,9 +140,15 @@ class Session:
         """
         link = self.link
         ticket, heard = link.last_command, link.heard
-        while link.status is None or link.heard == heard or link.answered < ticket:
+
+        def answered() -> bool:
+            if link.heard != heard and link.answered >= ticket:
+                return True
             link.ask()
-            self.pump(_SLICE_S)
+            return False
+
+        self.pump_until(answered)
+        assert link.status is not None
         return link.status
 
     def shout(self, byte: int) -> None:
