@@ -186,5 +186,6 @@ void inputs_mark_time(void)
 {
     for (uint8_t i = MARKS - 1; i; i--)
         marks[i] = marks[i - 1];
-    marks[0] = player.serial;
+    /* Standing, no block is in hand but the next. */
+    marks[0] = run_is_moving() ? player.serial : player.serial + 1;
 }

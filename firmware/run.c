@@ -97,10 +97,12 @@ static void finish(uint8_t ended)
     bool braked = throttle_is_closed() && !throttle.dry;
     note_torn();
     if (!kept) {
-        if (has_work() || reader_has_bytes() || run_is_moving())
+        /* Where nothing is dropped, limits go on from block to block: more may be on its way. */
+        if (has_work() || reader_has_bytes() || run_is_moving()) {
             run.epoch++;
-        player_drop();
-        reader_drop();
+            player_drop();
+            reader_drop();
+        }
         card_forget_safe_outputs();
         unwish(WANT_BRAKE);
     }

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from fraese.assembly import Plant
-from fraese.cli import doctor, files, motion
+from fraese.cli import bridge, doctor, files, motion, ports
 from fraese.cli.shared import ConfigOption, FreshOption, StartingPlace, StateOption, leave
 from fraese.errors import UsageError
 from fraese.program import open_program
@@ -24,6 +24,8 @@ app = typer.Typer(
 )
 app.add_typer(motion.app)
 app.add_typer(files.app)
+app.add_typer(ports.app)
+app.add_typer(bridge.app)
 app.add_typer(doctor.app)
 
 

@@ -82,7 +82,11 @@ def record(block: Block, carried: Carried, dry: Dry | None) -> bytes:
     Raises:
         ValueError: if the device cannot hold it: too many ticks or pieces, or a number too large.
     """
-    text = _body(block, carried)
+    return with_dry_point(body(block, carried), dry)
+
+
+def with_dry_point(text: bytes, dry: Dry | None) -> bytes:
+    """The record around a body."""
     if len(text) >= 1 << 15:
         raise ValueError(f"a record of {len(text)} bytes; 32767 at most")
     if len(text) < 0x80:
@@ -105,7 +109,12 @@ def _dry_point(dry: Dry | None) -> bytes:
     return bytes(out)
 
 
-def _body(block: Block, carried: Carried) -> bytes:
+def body(block: Block, carried: Carried) -> bytes:
+    """What the device stores of a block.
+
+    Raises:
+        ValueError: if the device cannot hold it: too many ticks or pieces, or a number too large.
+    """
     pieces = [piece for piece in block.pieces if piece.ticks]
     moves = any(block.steps)
     ticks = sum(piece.ticks for piece in pieces)
