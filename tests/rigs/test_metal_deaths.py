@@ -69,10 +69,9 @@ def test_a_signal_brakes_and_switches_off(
     assert not shop.fake.control & 0x02
 
 
-@pytest.mark.parametrize("port", ["ppdev", "devport"])
-def test_a_killed_program_leaves_the_motors_off(tmp_path: Path, port: str) -> None:
+def test_a_killed_program_leaves_the_motors_off(tmp_path: Path) -> None:
     """kill -9: the step process sees it, brakes, switches off, and ends."""
-    shop = Shop(tmp_path, port)
+    shop = Shop(tmp_path, "devport")
     with shop.begun("run", "long.ngc") as command:
         child = child_of(command.pid)
         killed_ns = time.monotonic_ns()

@@ -107,8 +107,9 @@ class Answer:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """The result without the time that it took."""
-        return {name: value for name, value in self.result.items() if name != "duration_s"}
+        """The result without what the computer's own time has in it."""
+        timed = ("duration_s", "late_ticks", "message")
+        return {name: value for name, value in self.result.items() if name not in timed}
 
 
 class Shop:
