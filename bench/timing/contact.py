@@ -71,10 +71,9 @@ def contact(seconds: float) -> Section:
         [],
         [
             f"In {trials} trials at {_RATE_HZ:g} ticks/s with {_MOTORS} motors, the contact at a"
-            f" random moment, so many steps were made"
-            f" after it was read: {counts}. A tick has {_MOTORS};"
-            f" after the first is read at most {_MOTORS - 1} are left. From the reading to the last"
-            f" step: {max(after_us):.1f} us at most.",
+            f" random moment, so many steps were made after it was read: {counts}. A tick has"
+            f" {_MOTORS}, and the input is read after each: at most {_MOTORS - 1} are left. From"
+            f" the reading to the last step: {max(after_us):.1f} us at most.",
         ],
     )
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.timing.figures import Row, Section, row_of, together
+from bench.timing.figures import Row, Samples, Section, row_of, together
 from fraese.motor.realtime.bareloop import interruptions_us
 from fraese.motor.realtime.measure import (
     Duty,
@@ -23,15 +23,39 @@ _BURSTS = 3
 _PAPER_RATES_HZ = (20_000, 30_000, 40_000, 50_000, 60_000, 80_000, 100_000, 120_000)
 
 
-def bare(seconds: float) -> str:
-    """What the machine takes from a loop that only looks at the time."""
-    taken_us = np.array(interruptions_us(seconds) or [0.0])
+def bare(seconds: float, interval_us: float) -> str:
+    """What the machine takes from a loop that only looks at the time, and what follows from it.
+
+    Args:
+        seconds: to measure for.
+        interval_us: of ticks that such a loop would make.
+    """
+    taken_us = np.sort(np.array(interruptions_us(seconds) or [0.0]))
     median, p99, longest = np.percentile(taken_us, (50, 99, 100))
     return (
         f"A bare loop with the same rights was interrupted {len(taken_us) / seconds:.0f} times a"
-        f" second meanwhile, for {median:.1f} us in the median (p99 {p99:.1f}, longest"
-        f" {longest:.1f}), {taken_us.sum() / seconds / 1e4:.2f} % of the time in all."
+        f" second just after, for {median:.1f} us in the median (p99 {p99:.1f}, longest"
+        f" {longest:.1f}). By that alone {_share_later(taken_us, interval_us / 4, seconds):.2%} of"
+        f" the ticks would be later than a quarter, and p99.9 would be"
+        f" {_later_than_one_in(1000, taken_us, seconds):.1f} us."
     )
+
+
+def _share_later(taken_us: Samples, us: float, seconds: float) -> float:
+    """Share of all moments after which the loop does not look at the time for longer than this."""
+    return float(np.maximum(taken_us - us, 0).sum() / (seconds * 1e6))
+
+
+def _later_than_one_in(number: int, taken_us: Samples, seconds: float) -> float:
+    """One moment in so many has to wait longer than this, us."""
+    low, high = 0.0, float(taken_us[-1])
+    for _ in range(60):
+        middle = (low + high) / 2
+        if _share_later(taken_us, middle, seconds) > 1 / number:
+            low = middle
+        else:
+            high = middle
+    return high
 
 
 def _idle_and_loaded(duty: Duty, seconds: float) -> tuple[list[Row], Lateness]:
@@ -45,14 +69,14 @@ def _idle_and_loaded(duty: Duty, seconds: float) -> tuple[list[Row], Lateness]:
 def phase_card(seconds: float) -> Section:
     """5 kHz on three axes: nine writes and three readings every 200 us."""
     rows, idle = _idle_and_loaded(smc_duty(), seconds)
-    said = [f"Granted: {', '.join(idle.notes)}.", bare(min(seconds, 10))]
+    said = [f"Granted: {', '.join(idle.notes)}.", bare(min(seconds, 10), idle.duty.interval_us)]
     return Section("smc", "Phase-current card, 5 kHz on three axes", rows, said)
 
 
 def x4step(seconds: float) -> Section:
     """20 kHz on all four axes of X4Step."""
     rows, idle = _idle_and_loaded(stepdir_duty("x4step"), seconds)
-    said = [f"Granted: {', '.join(idle.notes)}.", bare(min(seconds, 10))]
+    said = [f"Granted: {', '.join(idle.notes)}.", bare(min(seconds, 10), idle.duty.interval_us)]
     for row in rows:
         median, _, p999, longest = row.percentiles_us()
         said.append(

@@ -64,6 +64,7 @@ def sound_machine(root: Path) -> Path:
     put(root, "sys/kernel/security/lockdown", "[none] integrity confidentiality\n")
     put(root, "sys/power/state", "freeze mem disk\n")
     put(root, "run/systemd/seats/seat0")
+    put(root, "run/dbus/system_bus_socket")
     for device in ("parport0", "port", "cpu_dma_latency"):
         put(root, f"dev/{device}")
     return root
