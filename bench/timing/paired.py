@@ -28,7 +28,7 @@ from bench.timing.single import row
 from fraese.motor.realtime.measure import hogs
 from fraese.motor.realtime.spawn import command, environment
 
-_SLICES = 4
+_SLICES = 8
 _ROWS, _COLUMNS = 40, 120
 _PATIENCE_S = 60.0
 _START_KEY = b"s"
@@ -124,12 +124,12 @@ def paired(seconds: float) -> Section:
     said = [
         f"The app drew {np.mean(drawn) / 1000:.1f} kB a second meanwhile. With the app minus"
         f" without: median {a[0] - b[0]:+.2f} us, p99.9 {a[2] - b[2]:+.2f} us.",
-        f"From slice to slice p99.9 was {_span(with_app)} us with the app, {_span(without)} us"
-        " without it: that is the noise of this machine.",
+        f"Slice by slice p99.9 was {_span(with_app)} with the app, {_span(without)} without it:"
+        " that is the noise of this machine.",
     ]
     return Section("app", "With the app, and without it", rows, said)
 
 
 def _span(rows: list[Row]) -> str:
     p999 = sorted(each.percentiles_us()[2] for each in rows)
-    return f"{p999[0]:.1f} to {p999[-1]:.1f}"
+    return f"{p999[0]:.1f} to {p999[-1]:.1f} us (median {np.median(p999):.1f})"
