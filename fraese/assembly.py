@@ -102,6 +102,7 @@ def assemble(
     clock: ClockName = "virtual",
     state: Path | None = None,
     fresh: bool = False,
+    at_desk: bool = False,
 ) -> Plant:
     """Put a machine together as configured.
 
@@ -110,6 +111,7 @@ def assemble(
         clock: of a simulated mill: virtual for speed, paced where a person watches.
         state: folder in which the state is kept; None: it is not kept.
         fresh: forget what was kept.
+        at_desk: nothing is to move: a simulated mill will do, metal is left alone.
 
     Raises:
         ConfigError: if the configuration cannot be built, or the kept state is damaged.
@@ -125,7 +127,8 @@ def assemble(
         kept = None
     if kept is not None:
         card.set_phases(kept.phases)
-    made = DRIVERS[config.port.kind](Order(config, machine, card, clock, kept))
+    kind = "simulation" if at_desk else config.port.kind
+    made = DRIVERS[kind](Order(config, machine, card, clock, kept))
     log = LogFile(
         Path(config.log.file) if config.log.file else (state or state_folder()) / "fraese.log"
     )

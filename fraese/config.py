@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 AXIS_NAMES = ("x", "y", "z")
 _GEAR = re.compile(r"[0-9]{1,9}(\.[0-9]{1,9})?|[0-9]{1,9}/[0-9]{1,9}")
 _TOOL = re.compile(r"[0-9]{1,9}")
-_DEVICE = re.compile(r"/[^\x00-\x1f\x7f]{1,200}")
+_DEVICE = re.compile(r"(/[^\x00-\x1f\x7f]{1,200}|COM[0-9]{1,3})?")
 #: Travel of an axis; the upper bound is what counters of 32 bits hold with room to spare.
 _FEWEST_STEPS = 10
 _MOST_STEPS = 1_000_000_000
@@ -238,16 +238,25 @@ class CardConfig(Section):
 class PortConfig(Section):
     """How the registers are reached."""
 
-    kind: Literal["simulation", "ppdev", "devport"] = Field(
+    kind: Literal["simulation", "ppdev", "devport", "bridge"] = Field(
         "simulation",
         description=(
             'The simulated mill, or a parallel port: "ppdev" through its driver, "devport" by its'
-            " address (root only)."
+            ' address (root only); or "bridge", a microcontroller on a serial port.'
         ),
     )
     device: str = Field(
-        "/dev/parport0",
-        description='Device file of the port, for "ppdev": its full path, from the slash on.',
+        "",
+        description=(
+            'Device file of the port, for "ppdev" and "bridge": its full path, from the slash on.'
+            " Empty: /dev/parport0, or the only board that looks like an Arduino."
+        ),
+    )
+    baud: int = Field(
+        250_000,
+        ge=9_600,
+        le=2_000_000,
+        description='Rate of the serial port, for "bridge": the one the firmware was built for.',
     )
     base: int = Field(
         0x378,
@@ -267,6 +276,11 @@ class PortConfig(Section):
             raise ValueError("must be the full path of a device file, such as /dev/parport0")
         return value
 
+    @property
+    def parallel_device(self) -> str:
+        """Device file for ppdev."""
+        return self.device or "/dev/parport0"
+
 
 class RealtimeConfig(Section):
     """The process that makes the steps on a parallel port."""
@@ -279,8 +293,8 @@ class RealtimeConfig(Section):
         ge=0.2,
         le=60,
         description=(
-            "When it hears nothing from the program for so long while motors run, it brakes and"
-            " switches off, s."
+            "When it, or the bridge, hears nothing from the program for so long while motors run,"
+            " it brakes and switches off, s."
         ),
     )
     heartbeat_hz: float = Field(

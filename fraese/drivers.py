@@ -4,6 +4,7 @@
     simulation   the core, in this thread, on a mill          virtual, or paced by the wall
     ppdev        the core, in a process of its own            the machine's
     devport      likewise
+    bridge       a microcontroller, fed from this thread      the machine's
 
 Another port is a class behind the ``Port`` seam, and a row in ``PORTS`` and in ``DRIVERS``.
 """
@@ -140,13 +141,35 @@ def _in_real_time(order: Order) -> Made:
 def _ppdev(config: Config) -> Callable[[], Port]:
     from fraese.motor.ports.ppdev import PpdevPort
 
-    return partial(PpdevPort, config.port.device)
+    return partial(PpdevPort, config.port.parallel_device)
 
 
 def _devport(config: Config) -> Callable[[], Port]:
     from fraese.motor.ports.devport import DevPort
 
     return partial(DevPort, config.port.base)
+
+
+def _on_bridge(order: Order) -> Made:
+    # Nobody else needs pyserial.
+    from fraese.motor.bridge.driver import BridgeDriver
+    from fraese.motor.bridge.line import SerialLine, only_candidate, serial_ports
+
+    port = order.config.port
+    device = port.device or only_candidate(serial_ports())
+    clock = MonotonicClock()
+    driver = BridgeDriver(
+        partial(SerialLine, device, port.baud),
+        order.card,
+        clock,
+        switch=order.switch,
+        settle_s=order.settle_s,
+        safe_outputs=order.safe_outputs,
+        silence_s=order.config.realtime.silent_s,
+        name=device,
+        baud=port.baud,
+    )
+    return Made(driver, clock, _METAL_SLICE_S)
 
 
 #: Ports of metal: what opens each, as configured.
@@ -159,4 +182,5 @@ DRIVERS: Final[Mapping[str, Callable[[Order], Made]]] = {
     "simulation": _on_simulated_mill,
     "ppdev": _in_real_time,
     "devport": _in_real_time,
+    "bridge": _on_bridge,
 }

@@ -113,6 +113,8 @@ class Session:
             "steps": by_axis(self._controller.travelled_steps()),
             "duration_s": round(duration_ns / 1e9, 6),
             "blocks": self._blocks,
+            "late_ticks": state.late_ticks,
+            "dry_queues": state.dry_queues,
         }
 
     # --- called by the run loop ----------------------------------------------------------------

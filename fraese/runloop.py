@@ -85,6 +85,7 @@ class RunLoop:
         self.error: FraeseError | None = None
         self._progress: JobProgress | None = None
         self._job_from_ns = 0
+        self._late_before = self._dry_before = 0
         self._idle_at_ns: int | None = None
         axes = whereabouts.machine.axes
         braking_s = max(axis.max_rate_hz / axis.acceleration_hz_s for axis in axes)
@@ -177,6 +178,8 @@ class RunLoop:
         self._idle_at_ns = None
         self._progress = JobProgress(name, lines=lines, expected_s=expected_s)
         self._job_from_ns = self._clock.now_ns()
+        self._late_before = self._ahead.report.late_ticks
+        self._dry_before = self._ahead.report.dry_queues
         self.runner.start(job, detour)
         self.status = Status.RUN
 
@@ -238,6 +241,7 @@ class RunLoop:
         self.status = Status.ERROR
         self.error = error
         self.message = str(error)
+        self._keep_progress()
 
     def _conclude(self) -> None:
         """Say how the job ended."""
@@ -248,13 +252,29 @@ class RunLoop:
         elif self.status is Status.ERROR:
             self.error = self.runner.failure or self._alarm()
             self.message = str(self.error)
+        self._own_up()
         # Cutting ends with the job; what was cancelled or failed also leaves no spindle running.
         ended = ("laser",) if self.status is Status.OK else ("laser", "spindle", "coolant")
         mask = self._config.outputs.mask(*ended)
         if mask:
             self._driver.set_outputs(mask, 0)
+        self._keep_progress()
+
+    def _keep_progress(self) -> None:
         if self._progress is not None:
             self._progress = self._progress_now(self._progress)
+
+    def _own_up(self) -> None:
+        """What the motors felt and nobody asked for: dry queues, late steps."""
+        report = self._ahead.report
+        late, dry = report.late_ticks - self._late_before, report.dry_queues - self._dry_before
+        said = []
+        if dry:
+            said.append(f"The queue ran dry {dry} times: the motors braked and waited.")
+        if late:
+            said.append(f"{late} ticks came late by more than a quarter of their interval.")
+        if said:
+            self.say(" ".join([self.message, *said]).strip())
 
     def _alarm(self) -> FraeseError:
         if self._ahead.report.ended is not Ended.SILENCE:

@@ -114,7 +114,7 @@ def test_one_key_of_an_axis_leaves_the_others_at_their_defaults(tmp_path: Path) 
         ("[outputs]\nspindle = { pin = 14 }\ncoolant = { pin = 14 }", "outputs.coolant.pin 14"),
         ('[card]\nkind = "stepdir"\n[outputs]\nspindle = { pin = 17 }', "17 is taken already"),
         ('[card]\nkind = "smc2000"', "card.kind: "),
-        ('[port]\nkind = "usb"', "port.kind: must be 'simulation', 'ppdev' or 'devport'"),
+        ('[port]\nkind = "usb"', "port.kind: must be 'simulation', 'ppdev', 'devport' or 'bridge'"),
         ('[port]\ndevice = "parport0"', "port.device: must be the full path of a device file"),
         ('[port]\ndevice = "/dev/par\\u0000"', "port.device: must be the full path"),
         ("[port]\nbase = 0x37A", "port.base: must be a multiple of 4, not 890"),

@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -11,9 +12,9 @@ from hypothesis import strategies as st
 
 from fraese.assembly import Plant
 from fraese.config import AxisConfig
-from fraese.errors import LimitError, PortError, StateError
+from fraese.errors import LimitError, PortError, SilenceAlarm, StateError
 from fraese.machine import Machine
-from fraese.motor.seams import Report
+from fraese.motor.seams import Ended, Report
 from fraese.state import Status
 
 from .helpers import (
@@ -444,8 +445,8 @@ def test_a_surprise_in_a_callback_ends_the_job_and_leaves_the_controller_usable(
     assert controller.run() is Status.OK
 
 
-def test_a_port_that_goes_away_ends_the_job() -> None:
-    made = plant()
+def test_a_port_that_goes_away_ends_the_job_and_the_references() -> None:
+    made = homed()
     controller = made.controller
     driver: Any = controller._driver
 
@@ -454,9 +455,52 @@ def test_a_port_that_goes_away_ends_the_job() -> None:
 
     controller.jog("x", 5)
     driver.poll = gone
-    with pytest.raises(PortError):
-        controller.run()
-    assert controller.status is Status.ERROR
+    assert controller.run() is Status.ERROR
+    state = controller.state()
+    assert state.message == "The port went away."
+    assert state.referenced == (False,) * 3
+
+
+def test_late_ticks_and_dry_queues_are_owned_up_to() -> None:
+    controller = plant().controller
+    driver: Any = controller._driver
+    poll, polls = driver.poll, []
+
+    def busy(budget_s: float) -> Report:
+        polls.append(budget_s)
+        report: Report = poll(budget_s)
+        return replace(report, late_ticks=7 * (len(polls) > 9), dry_queues=2 * (len(polls) > 9))
+
+    told: list[str] = []
+    controller.set_tell(told.append)
+    controller.jog("x", 50)
+    driver.poll = busy
+    assert controller.run() is Status.OK
+    assert controller.state().message == told[-1]
+    assert "7 ticks came late" in told[-1]
+    assert "dry 2 times" in told[-1]
+    controller.jog("x", -1)
+    assert controller.run() is Status.OK
+    assert controller.state().message == ""
+
+
+def test_a_silent_program_is_an_alarm_of_its_own() -> None:
+    made = homed()
+    controller = made.controller
+    driver: Any = controller._driver
+    poll = driver.poll
+
+    def too_late(budget_s: float) -> Report:
+        driver.stop()
+        report: Report = poll(budget_s)
+        return replace(report, ended=Ended.SILENCE)
+
+    controller.jog("x", 5)
+    driver.poll = too_late
+    assert controller.run() is Status.ERROR
+    assert isinstance(controller.error, SilenceAlarm)
+    assert "X 0." in controller.state().message
+    assert all(controller.state().referenced)
 
 
 # --- end switches --------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from fraese.assembly import Plant
-from fraese.cli import doctor, files, motion
+from fraese.cli import bridge, doctor, files, motion, ports
 from fraese.cli.shared import ConfigOption, FreshOption, StartingPlace, StateOption, leave
 from fraese.errors import UsageError
 from fraese.program import open_program
@@ -24,6 +24,8 @@ app = typer.Typer(
 )
 app.add_typer(motion.app)
 app.add_typer(files.app)
+app.add_typer(ports.app)
+app.add_typer(bridge.app)
 app.add_typer(doctor.app)
 
 
@@ -61,7 +63,7 @@ def _run_app(plant: Plant, program: Path | None) -> int:
     from fraese.ui.app import FraeseApp
 
     try:
-        FraeseApp(
+        ui = FraeseApp(
             plant.controller,
             open_program=partial(open_program, apart=True),
             notes=plant.notes,
@@ -69,10 +71,12 @@ def _run_app(plant: Plant, program: Path | None) -> int:
             program=program,
             machine_name=plant.machine_name,
             hand=plant.press if plant.is_simulated else None,
-        ).run()
+        )
+        ui.run()
     finally:
         plant.close()
-    return 0
+    # After a signal it says which.
+    return ui.return_code or 0
 
 
 def main() -> None:

@@ -37,7 +37,7 @@ def check(
     """Look a program through: everything but the motors."""
 
     def go() -> int:
-        plant = on.plant()
+        plant = on.plant(at_desk=True)
         facts = examine(file, plant.controller.program_context())
         plant.controller.close()
         if on.as_json:
@@ -115,7 +115,7 @@ def config_check(config: ConfigOption = None) -> None:
 
     def go() -> int:
         settings = configuration.load(config)
-        assemble(settings).controller.close()
+        assemble(settings, at_desk=True).controller.close()
         found = configuration.find_file(config)
         print(f"{found}: ok" if found else "No configuration file: built-in defaults. ok")
         return 0

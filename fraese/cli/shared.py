@@ -67,13 +67,14 @@ class Place:
     fresh = False
     real_time = False
 
-    def plant(self, clock: ClockName | None = None) -> Plant:
-        """The machine that they name."""
+    def plant(self, clock: ClockName | None = None, *, at_desk: bool = False) -> Plant:
+        """The machine that they name; at a desk nothing is to move, and metal is left alone."""
         return assemble(
             configuration.load(self.config),
             clock=clock or ("paced" if self.real_time else "virtual"),
             state=self.state or state_folder(),
             fresh=self.fresh,
+            at_desk=at_desk,
         )
 
     def do(self, action: Callable[[Controller], object]) -> None:

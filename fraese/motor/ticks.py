@@ -170,7 +170,7 @@ class Ticks:
                 for register, value in entries:
                     access[register](value)
                 if now_ns > deadline_ns:
-                    base_ns += self._late(now_ns - deadline_ns, next_due - due)
+                    base_ns += self._late(deadline_ns, now_ns, next_due - due)
                     self._base_ns = base_ns
                 due = next_due
                 stepped(moving)
@@ -206,7 +206,8 @@ class Ticks:
                 entries = self._made_out_anew(cursor, moving)
             cursor.beats_cycles, cursor.moving_now = cycles, moving
             wires.write(entries)
-            self._base_ns += self._late(now_ns - deadline_ns, beat_cycles)
+            if now_ns > deadline_ns:
+                self._base_ns += self._late(deadline_ns, now_ns, beat_cycles)
             card.stepped(moving)
             cursor.moved |= moving
             del cursor.beats[0]
@@ -221,8 +222,16 @@ class Ticks:
         self._wires.stale = False
         return self._card.tick(moving)
 
-    def _late(self, late_ns: int, cycles: int) -> int:
-        """How far to move all that follows, for an edge that came so late in its interval."""
+    def _late(self, deadline_ns: int, began_ns: int, cycles: int) -> int:
+        """How far to move all that follows, ns, for an edge that came late; after its writes.
+
+        Whoever is interrupted may be so between the look at the clock and the writes too. Those
+        take some time by themselves: only what is more than a quarter of the interval counts.
+        """
+        late_ns = began_ns - deadline_ns
+        writing_ns = self._clock.now_ns() - began_ns
+        if writing_ns * 8 > cycles * 125:
+            late_ns += writing_ns
         self.late_ticks += late_ns * 8 > cycles * 125
         spare_cycles = cycles >> 4
         if self._pulse_cycles:
@@ -237,10 +246,11 @@ class Ticks:
             self._clock.wait_until(end_ns)
             return False
         now_ns = self._clock.wait_until(deadline_ns)
-        self._base_ns += self._late(now_ns - deadline_ns, self._track.last_cycles >> 1)
         self._fall_at_cycles = 0
         self._fell_cycles = fall_cycles
         self._wires.write(self._card.fall)
+        if now_ns > deadline_ns:
+            self._base_ns += self._late(deadline_ns, now_ns, self._track.last_cycles >> 1)
         return True
 
     def _at_ns(self, cycles: int) -> int:

@@ -6,7 +6,7 @@ import traceback
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from rigs.lpt.boots import BOOTS, run
+from rigs.lpt.boots import BOOTS, at_once
 from rigs.lpt.checks import check
 from rigs.lpt.kernel import CACHE, NotHere, kernel
 
@@ -14,11 +14,14 @@ from rigs.lpt.kernel import CACHE, NotHere, kernel
 def main(names: list[str]) -> int:
     """Run these boots, or all; the number of scenarios that failed."""
     failed = 0
-    for name in names or BOOTS:
-        with TemporaryDirectory(dir=CACHE) as folder:
-            started_s = time.monotonic()
-            outcomes = run(BOOTS[name], kernel(), Path(folder))
-            print(f"{name}: {time.monotonic() - started_s:.1f} s")
+    started_s = time.monotonic()
+    with (
+        TemporaryDirectory(dir=CACHE) as folder,
+        at_once(names or list(BOOTS), kernel(), Path(folder)) as booting,
+    ):
+        for name, boot in booting.items():
+            outcomes = boot.result()
+            print(f"{name}: there after {time.monotonic() - started_s:.1f} s")
             for scenario, outcome in outcomes.items():
                 try:
                     check(scenario, outcome)

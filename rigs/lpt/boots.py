@@ -5,7 +5,10 @@ a port whose inputs somebody drives.
 """
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -45,6 +48,9 @@ BOOTS: Final[Mapping[str, Boot]] = {
             "SIGTERM on ppdev",
             "SIGTERM on devport",
             "kill -9 on ppdev",
+            "driver's job, smc on ppdev",
+            "kill -9 of the program, ppdev",
+            "kill -9 of the step process, devport",
             "second program on ppdev",
             "second program on devport",
             "careless claimant",
@@ -61,10 +67,31 @@ BOOTS: Final[Mapping[str, Boot]] = {
             "contact, x4step on ppdev",
             "contact, smc on devport",
             "contact, x4step on devport",
+            "driver's contact, smc on ppdev",
         ),
         driven=True,
     ),
 }
+
+
+@contextmanager
+def at_once(
+    names: Iterable[str], kernel: Kernel, folder: Path
+) -> Iterator[dict[str, "Future[dict[str, Outcome]]"]]:
+    """Do these boots, as many at once as there are processors: each keeps one busy.
+
+    Args:
+        names: in ``BOOTS``.
+        kernel: what to boot.
+        folder: an empty one, for what they leave.
+    """
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        booting = {}
+        for name in names:
+            results = folder / name.replace(" ", "-")
+            results.mkdir()
+            booting[name] = pool.submit(run, BOOTS[name], kernel, results)
+        yield booting
 
 
 def run(boot: Boot, kernel: Kernel, results: Path) -> dict[str, Outcome]:

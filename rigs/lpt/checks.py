@@ -14,7 +14,13 @@ from fraese.motor.seams import CONTROL, DATA
 from rigs.lpt.machine import MARK, Access
 from tests.rigs.lpt.fakeport import CONTACT
 from tests.rigs.lpt.play import simulated_writes
-from tests.rigs.lpt.steps import MOTORS_OFF, check_contact, data_bytes, steps_made
+from tests.rigs.lpt.steps import (
+    MOTORS_OFF,
+    check_contact,
+    check_motors_off,
+    data_bytes,
+    steps_made,
+)
 
 Writes = Sequence[tuple[int, int]]
 
@@ -92,11 +98,7 @@ def motors_off(outcome: Outcome) -> None:
 
 def _ends_with_motors_off(writes: Writes) -> None:
     assert steps_made("smc", writes) > 0
-    last = [(DATA, byte) for byte in MOTORS_OFF]
-    assert [write for write in writes[-9:] if write[0] == DATA] == last
-    # Each byte is followed by its strobe: set, then clear.
-    strobes = [value & 1 for register, value in writes[-9:] if register == CONTROL]
-    assert strobes == [1, 0] * 3
+    check_motors_off(writes)
 
 
 def killed(outcome: Outcome) -> None:
@@ -104,6 +106,33 @@ def killed(outcome: Outcome) -> None:
     assert outcome.said["code"] == -9
     assert outcome.said["left_on_pins"] not in MOTORS_OFF
     assert outcome.said["pins_then"] == MOTORS_OFF[-1]
+    _ends_with_motors_off(outcome.writes())
+
+
+def driver_job(wiring: str, kind: str, outcome: Outcome) -> None:
+    """The step process writes the same bytes, and a second program in between none."""
+    said = outcome.said
+    assert "is held by another program" in said["refused"]
+    assert f", pid {said['step_process']})" in said["refused"]
+    assert said["is_gone"]
+    done = {name: said[name] for name in ("ended", "position_steps")}
+    job(wiring, kind, Outcome(done, outcome.accesses))
+
+
+def host_killed(outcome: Outcome) -> None:
+    """The step process ends the tick in hand, switches the motors off, and is the last to write."""
+    assert outcome.said["code"] == -9
+    assert outcome.said["moving"] not in MOTORS_OFF
+    assert outcome.said["left_on_pins"] == MOTORS_OFF[-1]
+    _ends_with_motors_off(outcome.writes())
+
+
+def step_process_killed(outcome: Outcome) -> None:
+    """The program takes the port again, switches the motors off, and says so."""
+    said = outcome.said["told"]
+    assert said.startswith("The step process died (SIGKILL); the motors were switched off ")
+    assert outcome.said["moving"] not in MOTORS_OFF
+    assert outcome.said["left_on_pins"] == MOTORS_OFF[-1]
     _ends_with_motors_off(outcome.writes())
 
 
@@ -195,6 +224,10 @@ CHECKS: Final[Mapping[str, Callable[[Outcome], None]]] = {
         for wiring in ("smc", "x4step")
         for kind in ("ppdev", "devport")
     },
+    "driver's contact, smc on ppdev": partial(contact, "smc"),
+    "driver's job, smc on ppdev": partial(driver_job, "smc", "ppdev"),
+    "kill -9 of the program, ppdev": host_killed,
+    "kill -9 of the step process, devport": step_process_killed,
     "SIGTERM on ppdev": motors_off,
     "SIGTERM on devport": motors_off,
     "kill -9 on ppdev": killed,

@@ -1,12 +1,23 @@
-"""Processes of the guest, by fork: to start a Python anew takes seconds under emulation."""
+"""Processes of the guest, by fork: to start a Python anew takes seconds under emulation.
+
+Forked            a module's main, spoken to over pipes
+ForkedStepper     the real-time driver's step process, without the start of another Python
+"""
 
 import importlib
 import os
 import signal
 import sys
+import threading
+import time
 import traceback
 from contextlib import suppress
 from io import TextIOWrapper
+from typing import Final
+
+from fraese.motor.realtime import child
+
+_LOOK_S: Final = 0.002
 
 
 class Forked:
@@ -69,5 +80,60 @@ def _become(module: str, arguments: tuple[str, ...], reading: int, writing: int)
         code = 0
     except BaseException:
         traceback.print_exc()
+    finally:
+        os._exit(code)
+
+
+class ForkedStepper:
+    """What the driver uses of ``subprocess.Popen``: in a session of its own, with no files of ours.
+
+    Args:
+        memory_fd: the shared memory.
+        samples: as the child's.
+
+    Attributes:
+        stdin: the pipe to it.
+        returncode: as ``subprocess`` has it; None while it runs.
+    """
+
+    def __init__(self, memory_fd: int, samples: int) -> None:
+        reading, writing = os.pipe()
+        self.returncode: int | None = None
+        self._lock = threading.Lock()
+        self.pid = os.fork()
+        if not self.pid:
+            _become_stepper(memory_fd, samples, reading)
+        os.close(reading)
+        self.stdin = os.fdopen(writing, "wb", 0)
+
+    def poll(self) -> int | None:
+        """How it ended; None: it runs. From any thread."""
+        with self._lock:
+            if self.returncode is None:
+                pid, status = os.waitpid(self.pid, os.WNOHANG)
+                self.returncode = os.waitstatus_to_exitcode(status) if pid else None
+            return self.returncode
+
+    def wait(self) -> int:
+        """How it ended, when it has."""
+        while (code := self.poll()) is None:
+            time.sleep(_LOOK_S)
+        return code
+
+    def kill(self) -> None:
+        """At once."""
+        if self.poll() is None:
+            os.kill(self.pid, signal.SIGKILL)
+
+
+def _become_stepper(memory_fd: int, samples: int, reading: int) -> None:
+    """The child: never returns."""
+    code = 1
+    try:
+        os.setsid()
+        os.dup2(reading, 0)
+        os.closerange(3, memory_fd)
+        os.closerange(memory_fd + 1, 1024)
+        code = child.main(memory_fd, samples)
     finally:
         os._exit(code)

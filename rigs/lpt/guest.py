@@ -20,13 +20,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from fraese.motor.clock import VirtualClock
+from fraese.motor.core import MotorCore
 from fraese.motor.ports import facts
+from fraese.motor.seams import StepDriver
+from rigs.lpt import lives
+from rigs.lpt.drive import driver_on
 from rigs.lpt.tools import (
     END_MARK,
     Here,
+    Said,
     insmod,
     mark,
     pins,
@@ -34,11 +39,9 @@ from rigs.lpt.tools import (
     remote,
     rmmod,
     wait_for,
+    wait_until_it_moves,
 )
 from tests.rigs.lpt.play import PORTS, bench_of, core_on, play
-from tests.rigs.lpt.steps import MOTORS_OFF
-
-Said = dict[str, Any]
 
 #: No scenario takes longer than this, even under emulation on a busy machine.
 SCENARIO_S: Final = 60
@@ -47,18 +50,24 @@ SCENARIO_S: Final = 60
 # --- jobs ----------------------------------------------------------------------------------------
 
 
+def _core(wiring: str, kind: str) -> MotorCore:
+    """In this process, in a time of its own."""
+    return core_on(PORTS[kind](), bench_of(wiring).card, VirtualClock())
+
+
 def job(wiring: str, kind: str) -> Said:
     """A job from claim to release."""
-    report = play(core_on(PORTS[kind](), bench_of(wiring).card, VirtualClock()), "everything")
+    report = play(_core(wiring, kind), "everything")
     return {"ended": report.ended.value, "position_steps": report.position_steps}
 
 
-def driven(wiring: str, kind: str) -> Said:
+def driven(name: str, made: Callable[[], StepDriver]) -> Said:
     """A long move; somebody outside presses the switch."""
-    results, name = Path(os.environ["TMPDIR"]), f"contact, {wiring} on {kind}"
+    results = Path(os.environ["TMPDIR"])
+    driver = made()
     (results / f"ready {name}").touch()
     wait_for((results / f"go {name}").exists)
-    report = play(core_on(PORTS[kind](), bench_of(wiring).card, VirtualClock()), "straight")
+    report = play(driver, "straight")
     return {"ended": report.ended.value, "position_steps": report.position_steps}
 
 
@@ -68,7 +77,7 @@ def driven(wiring: str, kind: str) -> Said:
 def signalled(number: signal.Signals, kind: str) -> Said:
     """A signal while it moves."""
     player = Here().start("tests.rigs.lpt.play", "smc", kind, "endless")
-    moving = _wait_until_it_moves()
+    moving = wait_until_it_moves()
     player.send_signal(number)
     player.communicate()
     return {"moving": moving, "left_on_pins": pins(), "code": player.returncode}
@@ -77,27 +86,11 @@ def signalled(number: signal.Signals, kind: str) -> Said:
 def killed(kind: str) -> Said:
     """kill -9 while it moves; then somebody else takes the port and switches the motors off.
 
-    Nothing guards the player here. The driver's own process, its parent and what each does when
-    the other dies belong beside this, as scenarios of their own.
+    Nothing guards the player here; what guards the real-time driver is in ``lives.py``.
     """
     said = signalled(signal.SIGKILL, kind)
-    core = core_on(PORTS[kind](), bench_of("smc").card, VirtualClock())
-    core.close()
+    _core("smc", kind).close()
     return {**said, "pins_then": pins()}
-
-
-def _wait_until_it_moves() -> int:
-    """A phase byte on the pins, other than those with which the motors were energised."""
-    seen: list[int] = []
-
-    def moves() -> bool:
-        value = pins()
-        if value not in MOTORS_OFF and value not in seen:
-            seen.append(value)
-        return len(seen) > 6
-
-    wait_for(moves)
-    return seen[-1]
 
 
 # --- who may have it -----------------------------------------------------------------------------
@@ -226,10 +219,18 @@ SCENARIOS: Final[Mapping[str, Callable[[], Said]]] = {
         for kind in PORTS
     },
     **{
-        f"contact, {wiring} on {kind}": partial(driven, wiring, kind)
+        f"contact, {wiring} on {kind}": partial(
+            driven, f"contact, {wiring} on {kind}", partial(_core, wiring, kind)
+        )
         for wiring in ("smc", "x4step")
         for kind in PORTS
     },
+    "driver's contact, smc on ppdev": partial(
+        driven, "driver's contact, smc on ppdev", partial(driver_on, "smc", "ppdev")
+    ),
+    "driver's job, smc on ppdev": partial(lives.driver_job, "smc", "ppdev"),
+    "kill -9 of the program, ppdev": partial(lives.host_killed, "ppdev"),
+    "kill -9 of the step process, devport": partial(lives.step_process_killed, "devport"),
     "SIGTERM on ppdev": partial(signalled, signal.SIGTERM, "ppdev"),
     "SIGTERM on devport": partial(signalled, signal.SIGTERM, "devport"),
     "kill -9 on ppdev": partial(killed, "ppdev"),

@@ -5,7 +5,7 @@ import subprocess
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import Final
+from typing import Any, Final
 
 from fraese.errors import PortError
 from rigs.lpt.forked import Forked
@@ -13,6 +13,10 @@ from rigs.lpt.kernel import kernel
 from rigs.lpt.machine import MARK
 from tests.rigs.lpt.play import PORTS
 from tests.rigs.lpt.remote import RemotePort
+from tests.rigs.lpt.steps import MOTORS_OFF
+
+#: What a scenario tells.
+Said = dict[str, Any]
 
 BASE: Final = 0x378
 #: Marks the end of a scenario; beginnings are numbered from 1.
@@ -85,3 +89,17 @@ def wait_for(what: Callable[[], bool]) -> None:
         if time.monotonic() > end_s:
             raise TimeoutError("it did not happen in time")
         time.sleep(0.002)
+
+
+def wait_until_it_moves() -> int:
+    """A phase byte on the pins, other than those with which the motors were energised."""
+    seen: list[int] = []
+
+    def moves() -> bool:
+        value = pins()
+        if value not in MOTORS_OFF and value not in seen:
+            seen.append(value)
+        return len(seen) > 6
+
+    wait_for(moves)
+    return seen[-1]

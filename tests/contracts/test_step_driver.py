@@ -15,6 +15,8 @@ import pytest
 from fraese.blocks import Block, Outputs, dwell
 from fraese.errors import StateError
 from fraese.motor.seams import Ended, IdleLevel, Report, StepDriver, SwitchMode
+from tests.bridge.device import reason_to_skip
+from tests.bridge.firmwaremill import FirmwareBench
 from tests.motor.distantmill import ChildBench
 from tests.motor.workbench import EVERY_END, TRAVEL_STEPS, Workbench, end, line, steady
 
@@ -30,7 +32,7 @@ class Rig:
     """
 
     driver: StepDriver
-    bench: Workbench | ChildBench
+    bench: Workbench | ChildBench | FirmwareBench
     slack_s: float = 0.0
 
     def run(self, *blocks: Block) -> Report:
@@ -52,10 +54,20 @@ def child_on(wiring: str) -> Rig:
     return Rig(bench.driver, bench, slack_s=0.05)
 
 
+def bridge_on(wiring: str) -> Rig:
+    if reason_to_skip():
+        pytest.skip(reason_to_skip())
+    bench = FirmwareBench(wiring, capacity=CAPACITY, safe_outputs=0b10)
+    return Rig(bench.driver, bench, slack_s=0.01)
+
+
 PEERS: dict[str, Callable[[], Rig]] = {
     "core on smc": lambda: core_on("smc"),
     "core on x4step": lambda: core_on("x4step"),
     "core on paper": lambda: core_on("paper"),
+    "bridge on smc": lambda: bridge_on("smc"),
+    "bridge on x4step": lambda: bridge_on("x4step"),
+    "bridge on paper": lambda: bridge_on("paper"),
 }
 if sys.platform == "linux":
     PEERS["child on smc"] = lambda: child_on("smc")

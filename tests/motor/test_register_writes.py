@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fraese.blocks import dwell
+from fraese.motor.clock import VirtualClock
 from fraese.motor.phases import MOTZERO
 from fraese.motor.seams import CONTROL, DATA, STATUS, IdleLevel
 from tests.motor.workbench import TIRELESS, BusyClock, Workbench, line, steady
@@ -213,6 +214,25 @@ class TestLateEdges:
         report = bench.run(steady(100, rate_hz=1000))
         assert report.late_ticks == 0
         assert bench.clock.now_ns() == 100_000_000 + 200_000 - 62_500
+
+    def test_an_interruption_between_clock_and_write_is_a_late_tick_too(self) -> None:
+        """The last moment at which one can come: the byte is on the pins, its strobe is not."""
+        clock = BusyClock(lambda wait: 1)
+        bench = Workbench(clock=clock, settle_s=0, limits=TIRELESS)
+        write_data, count = bench.simulated.write_data, itertools.count()
+
+        def interrupted(value: int) -> None:
+            write_data(value)
+            if next(count) == 30:
+                VirtualClock.wait_until(clock, clock.now_ns() + 700_000)
+
+        bench.simulated.write_data = interrupted
+        report = bench.run(steady(60, rate_hz=1000))
+        edges_ns = [a.at_ns for a in bench.accesses() if a.register == CONTROL and a.value & 1]
+        gaps_ns = [b - a for a, b in itertools.pairwise(edges_ns[-60:])]
+        assert report.late_ticks == 1
+        assert max(gaps_ns) > 1_699_000
+        assert min(gaps_ns) > 937_000
 
     @given(st.lists(st.floats(0, 3), min_size=1, max_size=30))
     def test_no_interval_is_shortened_by_more_than_a_sixteenth(self, late: list[float]) -> None:

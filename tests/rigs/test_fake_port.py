@@ -15,7 +15,7 @@ import pytest
 
 from fraese.errors import PortError
 from fraese.motor.seams import CONTROL, DATA, STATUS
-from tests.rigs.lpt.fakeport import AT_REST, CONTACT, Event, FakePort, missing, writes
+from tests.rigs.lpt.fakeport import AT_REST, CONTACT, FakePort, after_claim, missing, writes
 from tests.rigs.lpt.play import WIRINGS, simulated_writes
 from tests.rigs.lpt.remote import RemotePort
 from tests.rigs.lpt.steps import MOTORS_OFF, check_contact
@@ -49,12 +49,6 @@ def played(fake: FakePort, *arguments: str) -> dict[str, Any]:
     said = json.loads(fake.python("tests.rigs.lpt.play", *arguments))
     assert isinstance(said, dict)
     return said
-
-
-def after_claim(events: list[Event]) -> list[Event]:
-    """What follows the opening: for ppdev the claim, for /dev/port the look at its registers."""
-    claims = [i for i, event in enumerate(events) if event.what == "C"]
-    return events[claims[0] + 1 if claims else 4 :]
 
 
 # --- what goes over the wire ---------------------------------------------------------------------

@@ -1,10 +1,10 @@
 """The ports on a real kernel: the scenarios of the rig, each one test. A boot is shared by many."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import pytest
 
-from rigs.lpt.boots import BOOTS, run
+from rigs.lpt.boots import BOOTS, at_once
 from rigs.lpt.checks import CHECKS, Outcome, check
 from rigs.lpt.guest import SCENARIOS
 from rigs.lpt.kernel import Kernel, NotHere, kernel
@@ -24,24 +24,24 @@ def debian() -> Kernel:
 
 
 @pytest.fixture(scope="module")
-def booted(debian: Kernel, tmp_path_factory: pytest.TempPathFactory) -> Booted:
-    """What came of a boot; each is done once, when it is first asked for."""
-    done: dict[str, Mapping[str, Outcome] | BaseException] = {}
+def booted(
+    debian: Kernel, request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Booted]:
+    """What came of a boot: all that are asked for run at once."""
+    asked = {
+        str(item.callspec.params["boot"])
+        for item in request.session.items
+        if isinstance(item, pytest.Function) and item.originalname == test_scenario.__name__
+    }
+    names = [name for name in asked if not (BOOTS[name].driven and fakeport.missing())]
+    with at_once(names, debian, tmp_path_factory.mktemp("boots")) as booting:
 
-    def boot(name: str) -> Mapping[str, Outcome]:
-        if BOOTS[name].driven and fakeport.missing():
-            pytest.skip(fakeport.missing())
-        if name not in done:
-            try:
-                done[name] = run(BOOTS[name], debian, tmp_path_factory.mktemp("boot"))
-            except AssertionError as error:
-                done[name] = error
-        outcome = done[name]
-        if isinstance(outcome, BaseException):
-            raise outcome
-        return outcome
+        def outcomes(name: str) -> Mapping[str, Outcome]:
+            if name not in booting:
+                pytest.skip(fakeport.missing())
+            return booting[name].result()
 
-    return boot
+        yield outcomes
 
 
 def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

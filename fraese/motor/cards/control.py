@@ -36,12 +36,18 @@ class ControlLines:
     Args:
         value: how the register rests; bits of ``outputs`` are changed to their off level.
         outputs: free outputs, in the order of the bits of ``set_outputs``.
+
+    Attributes:
+        value: the shadow.
+        rest: how it rests, with all outputs off.
+        outputs: as given.
     """
 
     def __init__(self, value: int, outputs: Sequence[OutputPin]) -> None:
         self.value = value
-        self._outputs = tuple(outputs)
+        self.outputs = tuple(outputs)
         self.set_outputs(~0, 0)
+        self.rest = self.value
 
     def set_pin(self, pin: int, high: bool) -> None:
         """Change the shadow so that a pin is high or low."""
@@ -50,7 +56,7 @@ class ControlLines:
 
     def set_outputs(self, mask: int, value: int) -> None:
         """Change the shadow of the free outputs in ``mask``."""
-        for bit, output in enumerate(self._outputs):
+        for bit, output in enumerate(self.outputs):
             if mask >> bit & 1:
                 self.set_pin(output.pin, bool(value >> bit & 1) == output.active_high)
 

@@ -40,6 +40,11 @@ class SmcCard:
         levels: level map, a row of ``LEVEL_MAPS``; only used to derive the holding table.
         outputs: free outputs on pins 14, 16 and 17; pin 1 is the strobe.
         motors: 1 to 3.
+
+    Attributes:
+        table: drive table.
+        hold_table: the bytes at ``IdleLevel.HOLD``; empty: off as well.
+        lines: the control register.
     """
 
     setup_cycles = 0
@@ -57,10 +62,9 @@ class SmcCard:
         motors: int = 3,
     ) -> None:
         self.motors = motors
-        self._table = table
-        self._holding = holding_table(table, holding_percent, levels)
-        self._holds = holding_percent > 0
-        self._lines = ControlLines(0, outputs)
+        self.table = table
+        self.hold_table = holding_table(table, holding_percent, levels) if holding_percent else b""
+        self.lines = ControlLines(0, outputs)
         self._index = [0] * motors
         self._directions = [0] * motors
         self._next = [0] * motors
@@ -70,7 +74,7 @@ class SmcCard:
         self._run = self._columns()
 
     def _latch(self, byte: int) -> Entries:
-        control = self._lines.value
+        control = self.lines.value
         return (
             Entry(DATA, byte),
             Entry(CONTROL, control | _STROBE_BIT),
@@ -79,12 +83,12 @@ class SmcCard:
 
     def _columns(self) -> list[list[Entries]]:
         """Per motor and index, a whole movement; made once for every state of the outputs."""
-        control = self._lines.value
+        control = self.lines.value
         if control not in self._made:
             self._made[control] = [
                 [
                     (*self._latch(motor_bits(motor) | byte), Entry(STATUS, motor))
-                    for byte in self._table
+                    for byte in self.table
                 ]
                 for motor in range(self.motors)
             ]
@@ -105,7 +109,7 @@ class SmcCard:
         return NOTHING
 
     def _look_ahead(self) -> None:
-        length = len(self._table)
+        length = len(self.table)
         self._next[:] = [
             (index + direction) % length
             for index, direction in zip(self._index, self._directions, strict=True)
@@ -127,7 +131,7 @@ class SmcCard:
         index, following = self._index, self._next
         for motor in self._order[moving]:
             at = index[motor] = following[motor]
-            following[motor] = (at + self._directions[motor]) % len(self._table)
+            following[motor] = (at + self._directions[motor]) % len(self.table)
 
     def signals(self, active: bool, boost: bool) -> Entries:
         """The card has no such lines."""
@@ -135,22 +139,22 @@ class SmcCard:
 
     def set_outputs(self, mask: int, value: int) -> Entries:
         """Bit 0 is the first configured output."""
-        before = self._lines.value
-        self._lines.set_outputs(mask, value)
-        if self._lines.value == before:
+        before = self.lines.value
+        self.lines.set_outputs(mask, value)
+        if self.lines.value == before:
             return NOTHING
         self._run = self._columns()
-        return self._lines.entries()
+        return self.lines.entries()
 
     def energise(self) -> Entries:
         """Every motor at full current in its present phase."""
-        return self._stand(self._table)
+        return self._stand(self.table)
 
     def idle(self, level: IdleLevel) -> Entries:
         """Holding current from the second table, or both phases of every motor off."""
-        if level is IdleLevel.HOLD and self._holds:
-            return self._stand(self._holding)
-        return self._stand(bytes([MOTZERO]) * len(self._table))
+        if level is IdleLevel.HOLD and self.hold_table:
+            return self._stand(self.hold_table)
+        return self._stand(bytes([MOTZERO]) * len(self.table))
 
     def phases(self) -> tuple[int, ...]:
         """Index into the drive table, per motor."""
@@ -158,5 +162,5 @@ class SmcCard:
 
     def set_phases(self, phases: Sequence[int]) -> None:
         """Take up indices that were kept."""
-        self._index[:] = [phase % len(self._table) for phase in phases]
+        self._index[:] = [phase % len(self.table) for phase in phases]
         self._look_ahead()

@@ -15,8 +15,8 @@ from typing import Final, NamedTuple
 from fraese.motor.cards.control import NOTHING, READING, ControlLines, OutputPin
 from fraese.motor.seams import DATA, Entries, Entry, IdleLevel
 
-_BOOST_PIN: Final = 16
-_ACTIVE_PIN: Final = 17
+BOOST_PIN: Final = 16
+ACTIVE_PIN: Final = 17
 
 _CYCLES_PER_US: Final = 16
 
@@ -48,6 +48,12 @@ class StepDirCard:
         enable: bit of ``outputs`` that carries the drives' enable, or None. The wiring has no
             enable line of its own; without one the current cannot be switched off here.
         motors: 1 to 4.
+
+    Attributes:
+        clock_rest: data bits that are 1 while the clocks rest.
+        forward_high: as given.
+        enable_mask: the output that carries the drives' enable, a bit.
+        lines: the control register.
     """
 
     #: All pulses have the leader's length, so a tick is not divided.
@@ -65,19 +71,20 @@ class StepDirCard:
         self.motors = motors
         self.setup_cycles = profile.setup_cycles
         self.pulse_cycles = profile.pulse_cycles
+        self.forward_high = forward_high
         self._forward = 1 if forward_high else -1
-        self._enable = 0 if enable is None else 1 << enable
+        self.enable_mask = 0 if enable is None else 1 << enable
         # All four control pins low: ACTIVE and BOOST off.
-        self._lines = ControlLines(0b1011, outputs)
+        self.lines = ControlLines(0b1011, outputs)
         clocks = [2 << 2 * motor for motor in range(motors)]
-        self._clock_rest = sum(clocks) if clock_idles_high else 0
+        self.clock_rest = sum(clocks) if clock_idles_high else 0
         self._clocks = [
             sum(clock for motor, clock in enumerate(clocks) if moving >> motor & 1)
             for moving in range(1 << motors)
         ]
         self._count = [0] * motors
         self._directions = [0] * motors
-        self._data = self._clock_rest
+        self._data = self.clock_rest
         self.fall: Entries = NOTHING
         self._rises: list[Entries] = []
         self._rebuild()
@@ -116,28 +123,28 @@ class StepDirCard:
 
     def signals(self, active: bool, boost: bool) -> Entries:
         """ACTIVE while any motor runs, BOOST in ramps."""
-        before = self._lines.value
-        self._lines.set_pin(_ACTIVE_PIN, active)
-        self._lines.set_pin(_BOOST_PIN, boost)
-        return NOTHING if self._lines.value == before else self._lines.entries()
+        before = self.lines.value
+        self.lines.set_pin(ACTIVE_PIN, active)
+        self.lines.set_pin(BOOST_PIN, boost)
+        return NOTHING if self.lines.value == before else self.lines.entries()
 
     def set_outputs(self, mask: int, value: int) -> Entries:
         """Bit 0 is the first configured output."""
-        before = self._lines.value
-        self._lines.set_outputs(mask, value)
-        return NOTHING if self._lines.value == before else self._lines.entries()
+        before = self.lines.value
+        self.lines.set_outputs(mask, value)
+        return NOTHING if self.lines.value == before else self.lines.entries()
 
     def energise(self) -> Entries:
         """Enable the drives, where an output is configured for it; else nothing to do."""
-        return self.set_outputs(self._enable, self._enable)
+        return self.set_outputs(self.enable_mask, self.enable_mask)
 
     def idle(self, level: IdleLevel) -> Entries:
         """ACTIVE and BOOST low; drives disabled for OFF where an output is configured for it."""
-        enabled = self._enable if level is IdleLevel.HOLD else 0
-        self._lines.set_pin(_ACTIVE_PIN, False)
-        self._lines.set_pin(_BOOST_PIN, False)
-        self._lines.set_outputs(self._enable, enabled)
-        return (*self.fall, *self._lines.entries())
+        enabled = self.enable_mask if level is IdleLevel.HOLD else 0
+        self.lines.set_pin(ACTIVE_PIN, False)
+        self.lines.set_pin(BOOST_PIN, False)
+        self.lines.set_outputs(self.enable_mask, enabled)
+        return (*self.fall, *self.lines.entries())
 
     def phases(self) -> tuple[int, ...]:
         """Net pulses; a drive keeps its own phase, so this is for reports only."""

@@ -51,6 +51,9 @@ class Death:
 
     def sentence(self) -> str:
         """For the user."""
+        if self.error and self.error == self.how:
+            # The port itself is gone, and has said what to do.
+            return f"{self.how}, then reference the machine again."
         if self.error:
             off = f"the motors could not be switched off ({self.error}): cut their power"
         elif self.off_ms is None:

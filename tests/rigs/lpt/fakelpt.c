@@ -17,6 +17,8 @@
  *         close, also that of a killed process. A record lock on /dev/port is a true one, too.
  * Rule 3: what the kernel does to the registers by itself is done and logged here too: a claim puts
  *         control to rest, twice; bit 4 of it is the kernel's; release and close write nothing.
+ * Rule 4: there may be carriages on the port. They follow every step, at once, however fast it comes,
+ *         and hold the switch line closed at their ends and beyond. Between processes they stand.
  *
  * Not modelled: two owners of a shared port taking turns, interrupts, and time on the bus.
  */
@@ -39,6 +41,9 @@
 #define KERNEL_BITS 0x10 /* of control: the kernel's interrupt bit */
 #define CARD_BITS 0x0f   /* of control: what ppdev lets through */
 #define CLAIMED 0x0c     /* control after a claim: DB25 pins 1, 14 and 16 high, 17 low */
+#define CONTACT 0x80     /* of status: reads 0 with contact */
+#define STROBE 0x01      /* of control: setting it latches a byte of the phase-current card */
+#define MOTORS 3
 #define MAX_FD 4096
 
 enum { DATA, STATUS, CONTROL, REGISTERS };
@@ -55,13 +60,20 @@ struct event {
   uint8_t unused;
 };
 
+enum wiring { NO_CARRIAGES, PHASE_CARD, STEP_DIRECTION };
+
+struct carriage {
+  volatile int32_t at_steps; /* from the switch at its lower end; begins in the middle */
+  int32_t travel_steps;
+};
+
 struct bench {
   volatile uint8_t lines[4]; /* the registers as they stand; the test drives [STATUS] */
   volatile int32_t refuse[REFUSALS];
-  uint32_t capacity; /* events that the file has room for */
-  uint32_t unused;
+  uint32_t capacity;       /* events that the file has room for */
+  uint32_t wiring;         /* of the carriages */
   volatile uint64_t count; /* events, also those that found no room */
-  uint8_t reserved[24];
+  struct carriage carriages[MOTORS];
   struct event events[];
 };
 
@@ -115,14 +127,58 @@ static int refused(int which) {
   return 1;
 }
 
+/* --- carriages ------------------------------------------------------------------------------- */
+
+/* A phase byte in the order of the drive table, a half-step each; -1: no current, no torque. */
+static int phase_of(int byte) {
+  static const uint8_t table[] = {0x03, 0x09, 0x38, 0x29, 0x27, 0x2d, 0x1c, 0x0d};
+  for (int phase = 0; phase < 8; phase++)
+    if (table[phase] == (byte & 0x3f)) return phase;
+  return -1;
+}
+
+/* A rotor turns the shorter way to the phase. In the middle of its travel it stands at phase 0. */
+static void latch(int byte) {
+  int motor = byte >> 6, phase = phase_of(byte);
+  if (motor >= MOTORS || phase < 0) return;
+  struct carriage *carriage = &bench->carriages[motor];
+  int turned = (phase - (carriage->at_steps - carriage->travel_steps / 2)) & 7;
+  carriage->at_steps += turned > 4 ? turned - 8 : turned;
+}
+
+/* Data bits 2k and 2k+1 are direction (high is forward) and clock of motor k. */
+static void clock_edges(int before, int after) {
+  for (int motor = 0; motor < MOTORS; motor++)
+    if (~before & after & 2 << 2 * motor)
+      bench->carriages[motor].at_steps += after & 1 << 2 * motor ? 1 : -1;
+}
+
+static void drive(long reg, int value) {
+  if (bench->wiring == PHASE_CARD && reg == CONTROL && ~bench->lines[CONTROL] & value & STROBE)
+    latch(bench->lines[DATA]);
+  if (bench->wiring == STEP_DIRECTION && reg == DATA) clock_edges(bench->lines[DATA], value);
+}
+
+static int is_at_an_end(void) {
+  for (int motor = 0; bench->wiring && motor < MOTORS; motor++) {
+    struct carriage *carriage = &bench->carriages[motor];
+    if (carriage->at_steps <= 0 || carriage->at_steps >= carriage->travel_steps) return 1;
+  }
+  return 0;
+}
+
+/* --- registers ------------------------------------------------------------------------------- */
+
 /* Registers 0 to 2 are lines; others of the block exist, and do nothing. */
 static void write_register(long reg, int value) {
+  drive(reg, value);
   if (reg == DATA || reg == CONTROL) bench->lines[reg] = value;
   note('W', reg, value);
 }
 
 static int read_register(long reg) {
   int value = reg >= DATA && reg < REGISTERS ? bench->lines[reg] : 0xff;
+  if (reg == STATUS && is_at_an_end()) value &= ~CONTACT;
   note('R', reg, value);
   return value;
 }

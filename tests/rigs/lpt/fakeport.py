@@ -17,7 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -42,6 +42,10 @@ _REFUSAL_AT: Final = 4
 _CAPACITY_AT: Final = 24
 _COUNT: Final = struct.Struct("<Q")
 _COUNT_AT: Final = 32
+_WIRING_AT: Final = 28
+_WIRINGS: Final = {"smc": 1, "stepdir": 2}
+_CARRIAGES: Final = struct.Struct("<iiiiii")
+_CARRIAGES_AT: Final = 40
 
 
 class Event(NamedTuple):
@@ -140,6 +144,21 @@ class FakePort:
         at = _REFUSAL_AT + 4 * REFUSALS.index(what)
         self._map[at : at + 4] = struct.pack("<i", errno)
 
+    def mount(self, wiring: str, travel_steps: Sequence[int]) -> None:
+        """Put a machine on the port: three carriages in the middle, a switch at each end.
+
+        Args:
+            wiring: "smc" or "stepdir".
+            travel_steps: from switch to switch, per motor.
+        """
+        self._map[_WIRING_AT] = _WIRINGS[wiring]
+        values = [value for travel in travel_steps for value in (travel // 2, travel)]
+        _CARRIAGES.pack_into(self._map, _CARRIAGES_AT, *values)
+
+    def carriages_steps(self) -> tuple[int, ...]:
+        """Where they stand, from the switch at the lower end."""
+        return _CARRIAGES.unpack_from(self._map, _CARRIAGES_AT)[::2]
+
     # --- the log ---------------------------------------------------------------------------------
 
     def count(self) -> int:
@@ -202,3 +221,9 @@ def writes(events: Iterable[Event]) -> list[tuple[int, int]]:
         for e in events
         if e.what == "W"
     ]
+
+
+def after_claim(events: list[Event]) -> list[Event]:
+    """What follows the opening: for ppdev the claim, for /dev/port the look at its registers."""
+    claims = [i for i, event in enumerate(events) if event.what == "C"]
+    return events[claims[0] + 1 if claims else 4 :]

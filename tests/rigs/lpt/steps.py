@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
-from fraese.motor.seams import DATA
+from fraese.motor.seams import CONTROL, DATA
 
 #: The bytes with which the phase-current card is switched off, motor by motor.
 MOTORS_OFF = (0x1B, 0x5B, 0x9B)
@@ -26,6 +26,15 @@ def steps_made(wiring: str, writes: Iterable[tuple[int, int]]) -> int:
     if wiring == "smc":
         return sum(value not in MOTORS_OFF for value in data) - len(MOTORS_OFF)
     return sum((~before & after & CLOCKS).bit_count() for before, after in pairwise([0, *data]))
+
+
+def check_motors_off(writes: Sequence[tuple[int, int]]) -> None:
+    """The last bytes switch all motors of the phase-current card off, and are latched."""
+    last = writes[-3 * len(MOTORS_OFF) :]
+    assert data_bytes(last) == list(MOTORS_OFF)
+    # Each byte is followed by its strobe: set, then clear.
+    strobes = [value & 1 for register, value in last if register == CONTROL]
+    assert strobes == [1, 0] * len(MOTORS_OFF)
 
 
 def check_contact(

@@ -1,0 +1,778 @@
+/* Rules: player.h. */
+#include "player.h"
+
+#include <avr/interrupt.h>
+#include <stddef.h>
+
+#include "beat.h"
+#include "inputs.h"
+#include "line.h"
+#include "run.h"
+#include "throttle.h"
+
+#define FAR_CYCLES 0x7000U
+_Static_assert(FAR_CYCLES >> 8 == FAR_HIGH, "one limit for C and assembler");
+#define HOP_CYCLES 0x4000U
+#define HOP_SHIFT 14
+/* What must be chosen and made out outside the interrupt is at least so far ahead. */
+#define SOON_CYCLES 800
+#define MOST_BEATS 8
+/* From the end of the wait to the first write it takes beats.S so much longer than C. */
+#define LAG_CYCLES 1
+
+#define AT(type, field, offset) \
+    _Static_assert(offsetof(struct type, field) == (offset), #type "." #field)
+
+AT(block, leader, BLOCK_LEADER);
+AT(block, limit, BLOCK_LIMIT);
+AT(block, minors, BLOCK_MINORS);
+AT(minor, sum, MINOR_SUM);
+AT(minor, add, MINOR_ADD);
+AT(minor, mover, MINOR_MOVER);
+_Static_assert(sizeof(struct minor) == MINOR_SIZE, "struct minor");
+AT(motor, phase, MOTOR_PHASE);
+AT(motor, high, MOTOR_HIGH);
+AT(motor, bit, MOTOR_BIT);
+AT(motor, low, MOTOR_LOW);
+AT(tracks, motor, TRACKS_MOTORS);
+AT(card, facts.table_length, CARD_TABLE_LENGTH);
+AT(line, head, LINE_HEAD);
+AT(line, errors, LINE_ERRORS);
+AT(line, bytes, LINE_BYTES);
+AT(player, mode, PLAYER_MODE);
+AT(player, block, PLAYER_BLOCK);
+AT(player, due, PLAYER_DUE);
+AT(player, done, PLAYER_DONE);
+AT(player, piece_end, PLAYER_PIECE_END);
+AT(player, ramps, PLAYER_RAMPS);
+AT(player, interval_q8, PLAYER_INTERVAL);
+AT(player, add_q8, PLAYER_ADD);
+AT(player, cycles, PLAYER_CYCLES);
+AT(player, last_cycles, PLAYER_LAST);
+AT(player, beats, PLAYER_BEATS);
+AT(player, beats_left, PLAYER_BEATS_LEFT);
+AT(player, beat_cycles, PLAYER_BEAT_CYCLES);
+AT(player, lag_cycles, PLAYER_LAG);
+AT(player, moved, PLAYER_MOVED);
+AT(player, late, PLAYER_LATE);
+AT(player, shortest, PLAYER_SHORTEST);
+_Static_assert(sizeof(struct entry) == BEAT_ENTRY, "struct entry");
+AT(beat, end, BEAT_END);
+AT(beat, mask, BEAT_MASK);
+AT(beat, quiet, BEAT_QUIET);
+AT(beat, restless, BEAT_RESTLESS);
+AT(beat, mind, BEAT_MIND);
+AT(beat, pins, BEAT_PINS);
+
+AT(player, patience, PLAYER_PATIENCE);
+AT(player, early, PLAYER_EARLY);
+AT(player, plan_cycles, PLAYER_PLAN);
+AT(player, fall_cycles, PLAYER_FALL);
+AT(player, not_before, PLAYER_NOT_BEFORE);
+AT(player, is_made_out, PLAYER_IS_MADE_OUT);
+AT(player, wait_cycles, PLAYER_WAIT);
+AT(card, facts.pulse_cycles, CARD_PULSE);
+AT(card, control_high, CARD_CONTROL_HIGH);
+AT(card, data, CARD_DATA);
+AT(beat, rest, BEAT_REST);
+AT(player, late_ticks, PLAYER_LATE_TICKS);
+_Static_assert(sizeof(struct beat) == BEAT_SIZE, "struct beat");
+_Static_assert(sizeof(struct tracks) == TRACKS_SIZE, "struct tracks");
+
+struct player player;
+struct block blocks[2];
+volatile uint8_t block_ready;
+uint8_t block_next;
+struct piece pieces[PIECES];
+volatile uint8_t piece_head, piece_tail;
+volatile uint16_t records_waiting;
+
+/* A long wait, and what is needed to take back the beat that was made out for its end. */
+static struct {
+    uint32_t left;
+    uint16_t rest;
+    uint32_t gone_cycles;
+    bool may_choose; /* no beat of the tick was played yet */
+    ticks_t sums[MOTORS_MAX - 1];
+    uint8_t phases[MOTORS_MAX];
+} hop;
+
+static bool is_phase_card(void)
+{
+    return card.facts.type == CARD_PHASES;
+}
+
+/* ---- when */
+
+static void set_mode(uint8_t mode)
+{
+    player.mode = mode;
+    bool is_fast = mode == MODE_PHASES || mode >= MODE_FAST_RISE;
+    player.early = is_fast ? EARLY_CYCLES : EARLY_SLOW_CYCLES;
+}
+
+static void set_compare(void)
+{
+    OCR1A = player.due - player.early;
+}
+
+/* The next interrupt, so long after the last deadline. */
+static void arm(uint8_t mode, uint32_t wait)
+{
+    if (wait < FAR_CYCLES) {
+        player.due += (uint16_t)wait;
+    } else {
+        hop.left = (wait - HOP_CYCLES / 2) >> HOP_SHIFT;
+        hop.rest = (uint16_t)(wait - (hop.left << HOP_SHIFT));
+        hop.gone_cycles = 0;
+        player.after_hops = mode;
+        player.due += HOP_CYCLES;
+        mode = MODE_HOP;
+    }
+    set_mode(mode);
+    set_compare();
+}
+
+/* A write came late: if it was much, it is counted, and all that follows moves. */
+static void note_late(uint16_t late, uint32_t interval)
+{
+    if ((uint32_t)late << 2 <= interval)
+        return;
+    player.due += late;
+    player.late_ticks++;
+}
+
+uint32_t player_last(void)
+{
+    if (!player.cycles || (player.beats_left && player.done == player.chosen_at))
+        return player.last_cycles;
+    return player.beats_left && player.ramps == RAMP_FAST ? player.last_cycles : player.cycles;
+}
+
+/* ---- what */
+
+static void keep_state(void)
+{
+    for (uint8_t i = 0; i < MOTORS_MAX - 1; i++)
+        hop.sums[i] = player.block->minor[i].sum;
+    for (uint8_t i = 0; i < MOTORS_MAX; i++)
+        hop.phases[i] = tracks.motor[i].phase;
+}
+
+static void restore_state(void)
+{
+    for (uint8_t i = 0; i < MOTORS_MAX - 1; i++)
+        player.block->minor[i].sum = hop.sums[i];
+    for (uint8_t i = 0; i < MOTORS_MAX; i++)
+        tracks.motor[i].phase = hop.phases[i];
+}
+
+/* Shares of the minors for so many beats. */
+static void set_shares(struct block *block, uint8_t beats)
+{
+    for (uint8_t i = 0; i < block->minors; i++) {
+        ticks_t add = block->steps[i];
+        for (uint8_t n = beats; n < MOST_BEATS; n <<= 1)
+            add <<= 1;
+        block->minor[i].add = add;
+    }
+}
+
+/* Divide the tick in hand, a far one, into beats. */
+static void divide_far(uint32_t cycles)
+{
+    uint8_t beats = 1;
+    uint32_t part = cycles >> 1;
+    if (player.block->minors && card.facts.beat_cycles)
+        for (; beats < MOST_BEATS && part >= card.facts.beat_cycles; part >>= 1)
+            beats <<= 1;
+    if (beats != player.beats)
+        set_shares(player.block, beats);
+    player.beats = beats;
+    player.ramps = RAMP_SLOW;
+}
+
+/* The same for others: all in 16 bits. */
+static void divide(uint16_t cycles)
+{
+    uint16_t part = cycles, shortest = player.shortest;
+    uint8_t beats = 1;
+    while (part >= shortest && beats < MOST_BEATS) {
+        part >>= 1;
+        beats <<= 1;
+    }
+    player.beat_cycles = part;
+    if (beats != player.beats)
+        set_shares(player.block, beats);
+    player.beats = beats;
+    if (!player.block->moving)
+        player.ramps = RAMP_SLOW;
+    else
+        player.ramps = player.add_q8 ? RAMP_FAST : RAMP_NONE;
+}
+
+/* The tick in hand has this interval. */
+static void take_tick(uint32_t cycles)
+{
+    if (cycles == player.cycles && player.beats && player.ramps == RAMP_NONE && !player.add_q8)
+        ; /* as the one before */
+    else if (cycles >= FAR_CYCLES)
+        divide_far(cycles);
+    else
+        divide((uint16_t)cycles);
+    player.lag_cycles = (uint8_t)cycles & (player.beats - 1);
+    player.beats_left = player.beats;
+    player.cycles = cycles;
+    player.chosen_at = player.done;
+}
+
+/* The outputs of a block change with its first beat. */
+static void make_outputs_of(struct block *block)
+{
+    uint8_t mask = block->outputs >> 4, value = block->outputs & 0x0F;
+    block->outputs_due = false;
+    card.outputs = (uint8_t)((card.outputs & ~mask) | (value & mask));
+    uint8_t control = card_control_with(mask, value);
+    if (control == card.control)
+        return;
+    card_shadow_control(control);
+    beat.control_high = card.control_high;
+    beat.control_extra = (uint8_t)(CONTROL_EXTRA(control) | EXTRA_REST);
+    beat.control_due = true;
+}
+
+/* A minor axis in one beat: true when it steps. */
+static bool minor_steps(struct minor *minor, ticks_t limit)
+{
+    uint32_t sum = (uint32_t)minor->sum + minor->add;
+    bool steps = sum >> 24;
+    minor->sum = steps ? (ticks_t)sum - limit : (ticks_t)sum;
+    return steps;
+}
+
+static void add_movement(struct entry *entry, struct mover mover)
+{
+    struct motor *motor = &tracks.motor[(mover.at & 0x0F) >> 2];
+    uint8_t at = (uint8_t)(motor->phase + mover.delta);
+    if (at >= card.facts.table_length)
+        at = mover.delta > 0 ? 0 : card.facts.table_length - 1;
+    motor->phase = at;
+    entry->low = tracks.table[at] | motor->low;
+    entry->high = motor->high;
+    entry->bit = motor->bit;
+}
+
+/* Make out the next beat in which something is to be done; how long until then. */
+static uint32_t prepare_phases(void)
+{
+    line_poll();
+    struct block *block = player.block;
+    struct entry *entry = beat.entry;
+    uint32_t wait = 0, beat_cycles = player.cycles;
+    uint8_t left = player.beats_left;
+    for (uint8_t n = player.beats; n > 1; n >>= 1)
+        beat_cycles >>= 1;
+    beat.mask = 0;
+    do {
+        wait += beat_cycles;
+        if (--left == 0) {
+            wait += player.lag_cycles;
+            if (block->moving)
+                add_movement(entry++, block->leader);
+        }
+        for (uint8_t i = 0; i < block->minors; i++)
+            if (minor_steps(&block->minor[i], block->limit))
+                add_movement(entry++, block->minor[i].mover);
+    } while (left && entry == beat.entry);
+    for (struct entry *e = beat.entry; e != entry; e++)
+        beat.mask |= e->bit;
+    beat.end = (uint8_t)(uintptr_t)entry;
+    player.beats_left = left;
+    return wait;
+}
+
+/* The same for the first beat of a tick, or for one in between; and set the timer to it. */
+static void go_to_beat(bool first)
+{
+    struct block *block = player.block;
+    hop.may_choose = first && player.cycles >= FAR_CYCLES && !block->outputs_due;
+    if (hop.may_choose)
+        keep_state();
+    if (block->outputs_due)
+        make_outputs_of(block);
+    uint32_t wait = prepare_phases();
+    bool usual = block->moving && !beat.control_due && player.cycles < FAR_CYCLES;
+    arm(usual ? MODE_PHASES : MODE_SLOW, wait);
+}
+
+static void prepare_clocks(void)
+{
+    struct block *block = player.block;
+    uint8_t motors = 0, data = card.data;
+    if (block->moving) {
+        motors = (uint8_t)block->leader.delta;
+        data ^= block->leader.at;
+    }
+    for (uint8_t i = 0; i < block->minors; i++) {
+        struct minor *minor = &block->minor[i];
+        if (minor_steps(minor, block->limit)) {
+            motors |= (uint8_t)minor->mover.delta;
+            data ^= minor->mover.at;
+        }
+    }
+    beat.mask = beat.entry[0].bit = motors;
+    beat.entry[0].low = DATA_LOW(data);
+    beat.entry[0].high = (uint8_t)(DATA_HIGH(data) | card.control_high);
+    beat.end = (uint8_t)(uintptr_t)&beat.entry[motors ? 1 : 0];
+    beat.rest.low = DATA_LOW(card.data);
+    beat.rest.high = (uint8_t)(DATA_HIGH(card.data) | card.control_high);
+}
+
+/* An edge of clock lines, from the fall before it. */
+static void go_to_edge(uint32_t cycles)
+{
+    struct block *block = player.block;
+    hop.may_choose = cycles >= FAR_CYCLES && !block->outputs_due;
+    if (block->outputs_due)
+        make_outputs_of(block);
+    if (!player.is_made_out)
+        prepare_clocks();
+    player.is_made_out = false;
+    beat.entry[0].high = (uint8_t)((beat.entry[0].high & DATA_HIGH_MASK) | card.control_high);
+    beat.rest.high = (uint8_t)((beat.rest.high & DATA_HIGH_MASK) | card.control_high);
+    player.plan_cycles = cycles;
+    player.cycles = cycles > player.not_before ? cycles : player.not_before;
+    player.chosen_at = player.done;
+    bool usual = block->moving && !beat.control_due && player.cycles < FAR_CYCLES;
+    player.ramps = !usual ? RAMP_SLOW : player.add_q8 ? RAMP_FAST : RAMP_NONE;
+    arm(usual ? MODE_FAST_RISE : MODE_RISE, player.cycles - player.fall_cycles);
+}
+
+/* ---- which tick */
+
+/* The block in hand is at its end, or given up. */
+static void end_block(void)
+{
+    struct block *block = player.block;
+    if (block->outputs_due && player.done == block->ticks)
+        run_make_block_outputs(block);
+    inputs_end_block();
+    player.block = 0;
+}
+
+/* Take the next block in hand; false: there is none, see player.halt. */
+static bool begin_block(void)
+{
+    uint8_t slot = block_next;
+    if (!(block_ready & _BV(slot))) {
+        player.halt = records_waiting ? STARVED : AT_END;
+        return false;
+    }
+    struct block *block = &blocks[slot];
+    block_ready &= (uint8_t)~_BV(slot);
+    block_next = slot ^ 1;
+    player.block = block;
+    player.serial = block->serial;
+    player.done = player.piece_end = 0;
+    player.piece_is_last = !block->ticks;
+    player.beats = block->beats;
+    player.is_made_out = false;
+    player.shortest = block->shortest;
+    if (block->ticks)
+        run_set_up(block);
+    uint32_t exit = player.from_rest ? 0 : block->exit_cycles;
+    player.from_rest = false;
+    throttle_enter(block, exit);
+    line_take();
+    inputs_begin_block(block);
+    return true;
+}
+
+static bool next_piece(void)
+{
+    uint8_t tail = piece_tail;
+    if (tail == piece_head) {
+        player.halt = STARVED;
+        return false;
+    }
+    struct piece *piece = &pieces[tail];
+    player.piece_end = piece->end;
+    player.interval_q8 = piece->interval_q8;
+    player.add_q8 = piece->add_q8;
+    player.piece_is_last = piece->last;
+    piece_tail = (uint8_t)(tail + 1) & (PIECES - 1);
+    run_show_ramp();
+    return true;
+}
+
+/* Up to the next tick, over the ends of pieces and blocks; false: none, see player.halt. */
+static bool find_tick(uint32_t *cycles)
+{
+    while (!player.block || player.done == player.piece_end) {
+        if (player.block && player.piece_is_last)
+            end_block();
+        else if (!(player.block ? next_piece() : begin_block()))
+            return false;
+    }
+    *cycles = player.interval_q8 >> 8;
+    return !WANT || throttle_choose(cycles, false);
+}
+
+
+void player_prepare(struct block *block)
+{
+    uint16_t shortest = 0xFFFF;
+    if (block->minors && card.facts.beat_cycles && card.facts.beat_cycles < 0x8000)
+        shortest = (uint16_t)(2 * card.facts.beat_cycles);
+    block->shortest = shortest;
+    if (!is_phase_card() || !block->moving || block->entry_cycles >= FAR_CYCLES)
+        return;
+    uint16_t part = (uint16_t)block->entry_cycles;
+    uint8_t beats = 1;
+    while (part >= shortest && beats < MOST_BEATS) {
+        part >>= 1;
+        beats <<= 1;
+    }
+    set_shares(block, beats);
+    block->beats = beats;
+    block->beat_cycles = part;
+    block->is_plain = !block->watch_pins && !block->outputs_due && block->exit_cycles;
+}
+
+/* From one block to the next in full motion, with nothing on anybody's mind: what begin_block,
+ * next_piece and take_tick would do, in a quarter of their time. False: it is not that simple. */
+static bool go_over(void)
+{
+    uint8_t slot = block_next, tail = piece_tail;
+    struct block *block = &blocks[slot];
+    if (WANT || throttle.state != OPEN || !(block_ready & _BV(slot)) || !block->is_plain
+        || tail == piece_head || !inputs_are_calm() || throttle_minds(block))
+        return false;
+    struct piece *piece = &pieces[tail];
+    block_ready &= (uint8_t)~_BV(slot);
+    block_next = slot ^ 1;
+    piece_tail = (uint8_t)(tail + 1) & (PIECES - 1);
+    throttle_take_limits(block);
+    player.block = block;
+    player.serial = block->serial;
+    player.done = player.chosen_at = 0;
+    player.piece_end = piece->end;
+    player.interval_q8 = piece->interval_q8;
+    player.add_q8 = piece->add_q8;
+    player.piece_is_last = piece->last;
+    player.last_cycles = player.cycles;
+    player.cycles = block->entry_cycles;
+    player.shortest = block->shortest;
+    player.beats = player.beats_left = block->beats;
+    player.beat_cycles = block->beat_cycles;
+    player.lag_cycles = (uint8_t)block->entry_cycles & (block->beats - 1);
+    player.ramps = piece->add_q8 ? RAMP_FAST : RAMP_NONE;
+    return true;
+}
+
+/* Choose the next tick and make out its first writes; false: there is none. */
+static bool go_on(void)
+{
+    uint32_t cycles;
+    player.last_cycles = player.cycles;
+    if (!find_tick(&cycles))
+        return false;
+    line_poll();
+    if (is_phase_card()) {
+        take_tick(cycles);
+        go_to_beat(true);
+    } else {
+        if (!player.beats)
+            set_shares(player.block, 1);
+        player.beats = 1;
+        go_to_edge(cycles);
+    }
+    return true;
+}
+
+static void tick_done(void)
+{
+    player.done++;
+    player.moved = 0;
+    player.interval_q8 += (uint32_t)player.add_q8;
+}
+
+/* ---- called by beats.S, which is given: 0, the timer is stopped; TIMER_SET; or the beats of a tick
+ *      for which beats.S makes out the next one */
+
+#define TIMER_SET 0xFF
+
+static uint8_t or_stop(bool goes_on)
+{
+    if (!goes_on)
+        TIMSK1 = 0;
+    return goes_on ? TIMER_SET : 0;
+}
+
+/* The tick is taken: its beats for beats.S to go on, or TIMER_SET. */
+static uint8_t hand_over(void)
+{
+    if (player.ramps == RAMP_SLOW) {
+        go_to_beat(true);
+        return TIMER_SET;
+    }
+    if (player.block->outputs_due)
+        make_outputs_of(player.block);
+    set_mode(beat.control_due ? MODE_SLOW : MODE_PHASES);
+    return player.beats;
+}
+
+static uint8_t take_next(void)
+{
+    uint32_t cycles;
+    line_take();
+    player.last_cycles = player.cycles;
+    if (!find_tick(&cycles))
+        return or_stop(false);
+    line_take();
+    take_tick(cycles);
+    return hand_over();
+}
+
+/* A tick of a phase card was played and counted, and the next is no usual one. */
+uint8_t player_tick(void)
+{
+    if (player.done == player.piece_end && player.piece_is_last && go_over())
+        return player.beats;
+    if (player.ramps != RAMP_NONE)
+        player.interval_q8 += (uint32_t)player.add_q8;
+    if (WANT == _BV(IS_THROTTLED) && player.done != player.piece_end
+        && throttle_goes_on(player.interval_q8 >> 8, player.cycles)) {
+        player.last_cycles = player.cycles;
+        player.chosen_at = player.done;
+        return player.beats;
+    }
+    return take_next();
+}
+
+/* The same, but the next interval is chosen: one of a ramp. */
+uint8_t player_tick_chosen(void)
+{
+    player.last_cycles = player.cycles;
+    take_tick(player.interval_q8 >> 8);
+    return hand_over();
+}
+
+/* Outputs change, at the cycle. */
+static uint16_t write_control(void)
+{
+    uint8_t high = (uint8_t)((PORT_HIGH & DATA_HIGH_MASK) | beat.control_high);
+    beat.control_due = false;
+    return write_control_at(player.due + LAG_CYCLES, high, beat.control_extra);
+}
+
+static void strobe_and_read(uint8_t n)
+{
+    PORT_HIGH &= (uint8_t)~_BV(STROBE_BIT);
+    __builtin_avr_delay_cycles(5);
+    PORT_HIGH |= _BV(STROBE_BIT);
+    beat.pins[n] = PIN_STATUS;
+}
+
+/* The movements of a beat that beats.S leaves alone; how late the first write was. */
+static uint16_t write_movements(void)
+{
+    const struct entry *entry = beat.entry;
+    uint8_t count = beat_count(), n = 0;
+    uint16_t late;
+    if (beat.control_due) {
+        late = write_control();
+    } else if (count) {
+        late = write_data_at(player.due + LAG_CYCLES, entry->low, entry->high);
+        strobe_and_read(0);
+        n = 1;
+    } else {
+        late = wait_for(player.due);
+    }
+    for (; n < count; n++) {
+        write_pair(&PORT_LOW, entry[n].low, &PORT_HIGH, entry[n].high);
+        strobe_and_read(n);
+    }
+    if (!count)
+        beat.pins[0] = PIN_STATUS;
+    return late;
+}
+
+/* A beat that beats.S leaves alone: of a dwell, with outputs, of a long interval. */
+static uint8_t play_slowly(void)
+{
+    uint16_t late = write_movements();
+    inputs_examine_beat();
+    note_late(late, player.beats_left ? player.cycles << 1 : player.cycles);
+    if (player.beats_left) {
+        player.moved |= beat.mask;
+        if (player.cycles >= FAR_CYCLES) {
+            go_to_beat(false);
+            return TIMER_SET;
+        }
+        set_mode(MODE_PHASES);
+        return player.beats_left;
+    }
+    tick_done();
+    return take_next();
+}
+
+/* The clock lines leave their rest. */
+static void play_rise(void)
+{
+    const struct entry *entry = beat.entry;
+    uint16_t late;
+    if (beat.control_due) {
+        late = write_control();
+        if (entry->bit)
+            write_pair(&PORT_LOW, entry->low, &PORT_HIGH, entry->high);
+    } else if (entry->bit) {
+        late = write_data_at(player.due + LAG_CYCLES, entry->low, entry->high);
+    } else {
+        late = wait_for(player.due);
+    }
+    beat.pins[0] = PIN_STATUS;
+    inputs_examine_beat();
+    note_late(late, player.cycles);
+    uint32_t half = player.plan_cycles >> 1;
+    player.fall_cycles = half > card.facts.pulse_cycles ? half : card.facts.pulse_cycles;
+    player.not_before = player.fall_cycles + card.facts.pulse_cycles;
+    hop.may_choose = false;
+    tick_done();
+    arm(MODE_FALL, player.fall_cycles);
+}
+
+/* They go back to it; then directions may change, and the next interval is chosen. */
+static bool play_fall(void)
+{
+    uint16_t late = write_data_at(player.due + LAG_CYCLES, beat.rest.low, beat.rest.high);
+    note_late(late, player.cycles >> 1);
+    return go_on();
+}
+
+/* Clock lines have fallen, and the next tick is no usual one. */
+uint8_t player_fell(void)
+{
+    return or_stop(go_on());
+}
+
+/* A write of clock lines came late: rise or fall. */
+void player_clocks_late(void)
+{
+    note_late(player.late, player.mode == MODE_FAST_FALL ? player.cycles >> 1 : player.cycles);
+}
+
+/* An interval that runs, chosen anew for a brake or a stop; false: no tick follows. */
+static bool choose_again(void)
+{
+    uint32_t cycles = player.interval_q8 >> 8, gone = hop.gone_cycles;
+    player.cycles = player.last_cycles;
+    if (!throttle_choose(&cycles, true))
+        return false;
+    uint16_t due = player.due;
+    if (is_phase_card()) {
+        restore_state();
+        take_tick(cycles);
+        go_to_beat(true);
+    } else {
+        player.is_made_out = true;
+        go_to_edge(cycles);
+    }
+    /* The wait counted from here; what has gone of it is taken off again. */
+    uint32_t wait = player.mode == MODE_HOP
+        ? (hop.left << HOP_SHIFT) + hop.rest
+        : (uint16_t)(player.due - due);
+    uint8_t mode = player.mode == MODE_HOP ? player.after_hops : player.mode;
+    player.due = due;
+    arm(mode, wait > gone + SOON_CYCLES ? wait - gone : SOON_CYCLES);
+    return true;
+}
+
+/* A hop of a long wait is over; false: no tick follows. */
+static bool play_hop(void)
+{
+    hop.gone_cycles += HOP_CYCLES;
+    if (hop.may_choose && WANT & (_BV(WANT_BRAKE) | _BV(WANT_STOP)))
+        return choose_again();
+    if (--hop.left) {
+        player.due += HOP_CYCLES;
+    } else {
+        player.due += hop.rest;
+        set_mode(player.after_hops);
+    }
+    set_compare();
+    return true;
+}
+
+uint8_t player_play(void)
+{
+    switch (player.mode) {
+    case MODE_HOP:
+        return or_stop(play_hop());
+    case MODE_RISE:
+        play_rise();
+        return TIMER_SET;
+    case MODE_FALL:
+        return or_stop(play_fall());
+    default:
+        return play_slowly();
+    }
+}
+
+/* ---- in the main loop, with the timer stopped */
+
+static void set_timer(void)
+{
+    player.patience = PATIENCE;
+    TIFR1 = _BV(OCF1A);
+    TIMSK1 = _BV(OCIE1A);
+}
+
+void player_start(void)
+{
+    player.halt = PLAYING;
+    player.fall_cycles = player.not_before = 0;
+    player.cycles = 0;
+    player.from_rest = !player.block;
+    cli();
+    player.due = TCNT1 + SOON_CYCLES;
+    sei();
+    if (go_on())
+        set_timer();
+}
+
+void player_continue(void)
+{
+    player.halt = PLAYING;
+    uint16_t was_due = player.due;
+    player.cycles = player.last_cycles;
+    if (!go_on())
+        return;
+    if (player.mode != MODE_HOP) {
+        uint16_t wait = player.due - was_due;
+        cli();
+        uint16_t gone = TCNT1 - was_due + EARLY_CYCLES + NEAR_CYCLES;
+        sei();
+        if (wait < gone)
+            note_late(gone - wait, player.cycles);
+        set_compare();
+    }
+    set_timer();
+}
+
+void player_rest(void)
+{
+    player.cycles = player.last_cycles = 0;
+    player.from_rest = true;
+    player.moved = player.beats_left = 0;
+}
+
+void player_drop(void)
+{
+    if (player.block)
+        inputs_end_block();
+    player.block = 0;
+    player.from_rest = true;
+    block_ready = 0;
+    piece_tail = piece_head;
+}

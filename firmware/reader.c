@@ -1,0 +1,465 @@
+/* Rules: reader.h. The records: docs/bridge-protocol.md, section 4. */
+#include "reader.h"
+
+#include <avr/interrupt.h>
+#include <string.h>
+
+#include "arith.h"
+#include "board.h"
+#include "card.h"
+#include "inputs.h"
+#include "line.h"
+#include "player.h"
+#include "run.h"
+#include "throttle.h"
+
+static uint8_t ring[BOARD_RING];
+static uint16_t head, tail, used;
+
+/* Where a record stands that has not come wholly. */
+static struct {
+    enum { LENGTH, LENGTH_LOW, DRY_BACK, DRY_TICK, BODY } wants;
+    uint16_t left;
+    uint8_t back;
+    uint8_t shift;
+    uint32_t tick;
+    uint16_t serial;
+} arrival;
+
+/* The block that is being decoded, and what goes on from block to block. */
+static struct {
+    uint8_t pieces_left; /* 0: a head is next */
+    uint8_t slot;
+    bool is_ready;
+    bool is_broken;
+    ticks_t ticks; /* in the pieces so far */
+    uint32_t goes_on_q8;
+    uint32_t exit_cycles;
+    uint32_t accel_q, jump_q8, jump_cycles;
+    uint16_t override_q8;
+    uint8_t data;
+    uint16_t serial;
+} reading;
+
+/* ---- the ring */
+
+static void store(const uint8_t *bytes, uint8_t count)
+{
+    uint8_t *to = ring + head;
+    used += count;
+    while (count--) {
+        *to++ = *bytes++;
+        if (to == ring + BOARD_RING)
+            to = ring;
+        line_poll();
+    }
+    head = (uint16_t)(to - ring);
+}
+
+static uint8_t take_u8(void)
+{
+    line_poll();
+    uint8_t byte = ring[tail];
+    if (++tail == BOARD_RING)
+        tail = 0;
+    used--;
+    return byte;
+}
+
+static uint32_t take(uint8_t bytes)
+{
+    union {
+        uint32_t value;
+        uint8_t byte[4];
+    } number = {0};
+    for (uint8_t i = 0; i < bytes; i++)
+        number.byte[i] = take_u8();
+    return number.value;
+}
+
+static int32_t take_signed(uint8_t bytes)
+{
+    uint32_t value = take(bytes);
+    if (bytes == 1)
+        return (int8_t)value;
+    return bytes == 2 ? (int16_t)value : (int32_t)value;
+}
+
+uint16_t reader_free(void)
+{
+    return BOARD_RING - used;
+}
+
+bool reader_has_bytes(void)
+{
+    return used || arrival.wants != LENGTH;
+}
+
+bool reader_has_ready(void)
+{
+    return player.block ? piece_head != piece_tail : block_ready & _BV(block_next);
+}
+
+/* ---- arrival */
+
+static void set_dry_point(void)
+{
+    throttle.dry_point = false;
+    if (arrival.back == DRY_NONE)
+        return;
+    throttle.dry_serial = arrival.serial - arrival.back;
+    throttle.dry_tick = arrival.tick;
+    __asm__ __volatile__("" ::: "memory");
+    throttle.dry_point = true;
+    /* A block that begins from now on sees it itself. */
+    if ((int16_t)(*(volatile uint16_t *)&player.serial - throttle.dry_serial) >= 0)
+        wish(MAY_RUN_DRY);
+}
+
+static void record_arrived(void)
+{
+    arrival.serial++;
+    set_dry_point();
+    cli();
+    records_waiting++;
+    sei();
+    arrival.wants = LENGTH;
+    run_refilled();
+}
+
+static void arrive(uint8_t byte)
+{
+    switch (arrival.wants) {
+    case LENGTH:
+        arrival.left = byte & 0x7F;
+        arrival.wants = byte & 0x80 ? LENGTH_LOW : DRY_BACK;
+        break;
+    case LENGTH_LOW:
+        arrival.left = arrival.left << 8 | byte;
+        arrival.wants = DRY_BACK;
+        break;
+    case DRY_BACK:
+        arrival.back = byte;
+        arrival.tick = arrival.shift = 0;
+        arrival.wants = byte == DRY_NONE ? BODY : DRY_TICK;
+        break;
+    case DRY_TICK:
+        arrival.tick |= (uint32_t)(byte & 0x7F) << arrival.shift;
+        arrival.shift += 7;
+        if (!(byte & 0x80))
+            arrival.wants = BODY;
+        break;
+    case BODY: /* see reader_take */
+        break;
+    }
+}
+
+void reader_take(const uint8_t *bytes, uint8_t count)
+{
+    while (count) {
+        if (arrival.wants != BODY) {
+            arrive(*bytes++);
+            count--;
+            continue;
+        }
+        uint8_t part = arrival.left < count ? (uint8_t)arrival.left : count;
+        store(bytes, part);
+        bytes += part;
+        count -= part;
+        arrival.left -= part;
+        if (!arrival.left)
+            record_arrived();
+    }
+}
+
+uint16_t reader_last_serial(void)
+{
+    return arrival.serial;
+}
+
+void reader_drop(void)
+{
+    head = tail = used = 0;
+    records_waiting = 0;
+    throttle.dry_point = false;
+    memset(&reading, 0, sizeof reading);
+    reading.accel_q = reading.jump_q8 = 1;
+    reading.jump_cycles = RATE_CYCLES;
+    reading.data = card.data;
+    reading.serial = arrival.serial;
+    block_next = 0;
+    arrival.wants = LENGTH;
+}
+
+void reader_forget(void)
+{
+    arrival.serial = 0;
+    reader_drop();
+}
+
+/* ---- decoding */
+
+/* What follows a bad block would be wrong: nothing more is decoded before the queue is dropped. */
+static void refuse(void)
+{
+    reading.is_broken = true;
+    run_refuse_block();
+}
+
+static uint32_t take_short(void)
+{
+    uint8_t mantissa = take_u8();
+    return (uint32_t)mantissa << (take_u8() & 31);
+}
+
+static void take_limits(uint8_t law, uint8_t rare)
+{
+    if (law & LAW_ACCEL)
+        reading.accel_q = take_short();
+    else if (rare & RARE_ACCEL)
+        reading.accel_q = take(4);
+    uint32_t jump = reading.jump_q8;
+    if (law & LAW_JUMP)
+        jump = take_short();
+    else if (rare & RARE_JUMP)
+        jump = take(4);
+    if (jump != reading.jump_q8) {
+        reading.jump_q8 = jump;
+        reading.jump_cycles = rate_over(jump ? jump : 1);
+    }
+    if (law & LAW_OVERRIDE)
+        reading.override_q8 = (uint16_t)take(2);
+}
+
+static const uint8_t widths[] = {1, 2, 4, 4};
+
+static void set_mover(struct mover *mover, uint8_t motor, bool forward)
+{
+    if (card.facts.type == CARD_CLOCKS) {
+        mover->at = (uint8_t)(2 << 2 * motor);
+        mover->delta = (int8_t)_BV(motor);
+        return;
+    }
+    mover->at = (uint8_t)(uintptr_t)&tracks.motor[motor];
+    mover->delta = forward ? 1 : -1;
+}
+
+/* Steps of every motor; the longest way. */
+static uint32_t take_steps(struct block *block, uint8_t shape, ticks_t steps[])
+{
+    uint8_t width = widths[(shape >> SHAPE_WIDTH_SHIFT) & 3];
+    uint32_t longest = 0;
+    block->moving = shape & SHAPE_MOTORS;
+    block->forward = 0;
+    for (uint8_t motor = 0; motor < MOTORS_MAX; motor++) {
+        uint8_t bit = (uint8_t)_BV(motor);
+        if (!(block->moving & bit))
+            continue;
+        int32_t way = take_signed(width);
+        if (way > 0)
+            block->forward |= bit;
+        steps[motor] = way < 0 ? -(uint32_t)way : (uint32_t)way;
+        if (steps[motor] > longest) {
+            longest = steps[motor];
+            block->leading = bit;
+            set_mover(&block->leader, motor, way > 0);
+        }
+    }
+    return longest;
+}
+
+static void set_minors(struct block *block, const ticks_t steps[])
+{
+    uint8_t count = 0;
+    block->limit = block->ticks << 3;
+    for (uint8_t motor = 0; motor < MOTORS_MAX; motor++) {
+        uint8_t bit = (uint8_t)_BV(motor);
+        line_poll();
+        if (!(block->moving & bit) || bit == block->leading)
+            continue;
+        struct minor *minor = &block->minor[count];
+        set_mover(&minor->mover, motor, block->forward & bit);
+        minor->sum = ((block->ticks - steps[motor]) >> 1 << 3) - block->limit;
+        block->steps[count] = steps[motor];
+        block->minor_bits[count] = bit;
+        count++;
+    }
+    block->minors = count;
+}
+
+/* Direction bits of the motors that move; the others keep theirs. */
+static void set_data(struct block *block)
+{
+    uint8_t data = reading.data;
+    for (uint8_t motor = 0; motor < card.facts.motors; motor++) {
+        uint8_t line = (uint8_t)_BV(2 * motor);
+        if (!(block->moving & _BV(motor)))
+            continue;
+        bool forward = block->forward & _BV(motor);
+        data = forward == (card.facts.forward_high != 0) ? data | line : data & (uint8_t)~line;
+    }
+    block->data = reading.data = data;
+}
+
+static void take_watch(struct block *block)
+{
+    uint8_t mask = take_u8();
+    block->watch_pins = pins_of(mask);
+    block->watch_value = levels_of(take_u8()) & block->watch_pins;
+    block->watch_action = take_u8();
+}
+
+static void block_is_ready(void)
+{
+    reading.is_ready = true;
+    cli();
+    block_ready |= (uint8_t)_BV(reading.slot);
+    records_waiting--;
+    sei();
+}
+
+static void read_head(void)
+{
+    struct block *block = &blocks[reading.slot];
+    ticks_t steps[MOTORS_MAX];
+    uint8_t shape = take_u8(), law = take_u8();
+    uint8_t rare = shape & SHAPE_RARE ? take_u8() : 0;
+    uint8_t count = law & LAW_PIECES;
+    if (count == LAW_PIECES)
+        count = take_u8();
+    block->ticks = take_steps(block, shape, steps);
+    if (!block->moving && count)
+        block->ticks = 1; /* a dwell: how many is known with its last piece */
+    set_minors(block, steps);
+    line_poll();
+    take_limits(law, rare);
+    block->accel_q = reading.accel_q;
+    block->jump_q8 = reading.jump_q8;
+    block->jump_cycles = reading.jump_cycles;
+    block->override_q8 = reading.override_q8;
+    block->top_cycles = rare & RARE_TOP ? take(3) : 0;
+    block->watch_pins = 0;
+    if (rare & RARE_WATCH)
+        take_watch(block);
+    block->outputs_due = rare & RARE_OUTPUTS;
+    if (block->outputs_due)
+        block->outputs = take_u8();
+    block->flags = 0;
+    block->beats = 0;
+    block->is_plain = false;
+    block->shortest = 0xFFFF;
+    block->serial = ++reading.serial;
+    block->entry_cycles = 0;
+    block->exit_cycles = reading.exit_cycles;
+    line_poll();
+    set_data(block);
+    reading.is_ready = false;
+    reading.ticks = 0;
+    reading.goes_on_q8 = 0;
+    reading.pieces_left = count;
+    if (!count) {
+        reading.exit_cycles = 0;
+        block_is_ready();
+        reading.slot ^= 1;
+    }
+}
+
+static ticks_t take_ticks(uint8_t shape, const struct block *block)
+{
+    shape &= PIECE_TICKS;
+    if (!shape)
+        return block->ticks - reading.ticks;
+    return take(shape == 3 ? 4 : shape);
+}
+
+static uint32_t take_interval(uint8_t shape)
+{
+    shape = (shape >> PIECE_INTERVAL_SHIFT) & 7;
+    if (shape >= 3)
+        return take(shape - 1);
+    return reading.goes_on_q8 + (shape ? (uint32_t)take_signed(shape) : 0);
+}
+
+static int32_t take_add(uint8_t shape)
+{
+    shape = (shape >> PIECE_ADD_SHIFT) & 3;
+    return shape ? take_signed(widths[shape - 1]) : 0;
+}
+
+/* First piece known: the block can be played. */
+static void finish_block(struct block *block, uint32_t interval_q8)
+{
+    block->entry_cycles = interval_q8 >> 8;
+    if (!block->top_cycles)
+        block->top_cycles = block->entry_cycles;
+    if (block->override_q8 > throttle.override_q8)
+        throttle_prepare(block);
+    player_prepare(block);
+    block_is_ready();
+}
+
+static void read_piece(void)
+{
+    struct block *block = &blocks[reading.slot];
+    struct piece *piece = &pieces[piece_head];
+    uint8_t shape = take_u8();
+    ticks_t ticks = take_ticks(shape, block);
+    uint32_t interval_q8 = take_interval(shape);
+    int32_t add_q8 = take_add(shape);
+    line_poll();
+    reading.ticks += ticks;
+    reading.goes_on_q8 = interval_q8 + (uint32_t)ticks * (uint32_t)add_q8;
+    piece->end = reading.ticks;
+    piece->interval_q8 = interval_q8;
+    piece->add_q8 = add_q8;
+    piece->last = --reading.pieces_left == 0;
+    bool is_whole = !block->moving || reading.ticks == block->ticks;
+    if (!ticks || (piece->last && !is_whole) || (block->moving && interval_q8 < 256)) {
+        refuse();
+        return;
+    }
+    if (piece->last) {
+        if (!block->moving)
+            block->ticks = reading.ticks;
+        reading.exit_cycles = block->moving ? (reading.goes_on_q8 - (uint32_t)add_q8) >> 8 : 0;
+    }
+    piece_head = (uint8_t)(piece_head + 1) & (PIECES - 1);
+    if (!reading.is_ready)
+        finish_block(block, interval_q8);
+    if (piece->last)
+        reading.slot ^= 1;
+}
+
+/* Ratios of the coming junction, for a throttle that may not be open then. */
+static bool prepare_junction(void)
+{
+    uint8_t slot = block_next;
+    struct block *block = &blocks[slot];
+    if (!(block_ready & _BV(slot)) || block->flags & BLOCK_RATIOS)
+        return false;
+    if (!block->moving || !block->exit_cycles || !block->entry_cycles)
+        return false;
+    block->slower_q16 = ratio_q16(block->entry_cycles, block->exit_cycles);
+    block->faster_q16 = ratio_q16(block->exit_cycles, block->entry_cycles);
+    __asm__ __volatile__("" ::: "memory");
+    block->flags |= BLOCK_RATIOS;
+    return true;
+}
+
+bool reader_service(void)
+{
+    if (reading.is_broken)
+        return false;
+    if (reading.pieces_left) {
+        if (((piece_head + 1) & (PIECES - 1)) == piece_tail)
+            return prepare_junction();
+        read_piece();
+        return true;
+    }
+    bool is_slot_free = !(block_ready & _BV(reading.slot)) && player.block != &blocks[reading.slot];
+    if (records_waiting && is_slot_free) {
+        read_head();
+        return true;
+    }
+    return prepare_junction();
+}

@@ -1,0 +1,111 @@
+/* The throttle: brake, hold, resume, dry queue and lowered override, as in the polled core.
+ *
+ *   rate ^   plan  ________________________
+ *        |        /   \                 __/
+ *        |       /     \   closing     /    opening: rises until it meets the plan
+ *        |      /       \             /
+ *        |  ...............\_______../.....  start/stop rate: below it the motors may stand
+ *        +------------------- held ---------> time
+ *
+ *   elapsed 0 ------------- slice ---- latency ------------- slice ---- latency --->
+ *                           | decided   | counts
+ *                           '-> worked out by the main loop meanwhile
+ *
+ * Rule 1: every integer is the core's (fraese/motor/throttle.py): same state, same cycles.
+ * Rule 2: all of this runs where an interval is chosen, in the interrupt. What takes a division is
+ *         worked out ahead by the main loop (throttle_service). What is not ready when it is needed
+ *         is worked out on the spot, and counted: late_throttle.
+ * Rule 3: `turn` changes with every change that makes work done ahead worthless; a result counts
+ *         only for the turn that it was made for.
+ */
+#ifndef THROTTLE_H
+#define THROTTLE_H
+
+#include "state.h"
+
+enum throttle_state { OPEN, CLOSING, HELD, OPENING, LIMITED };
+
+struct throttle {
+    volatile uint8_t state;
+    uint8_t turn;
+    bool is_steady;     /* nothing changes before `elapsed` reaches `steady_until` */
+    uint32_t steady_until;
+    bool rate_owed;     /* rate_q8 is RATE / rate_of, not worked out yet */
+    uint32_t rate_of;
+    uint32_t rate_q8;
+    uint32_t cycles;    /* the interval it allows */
+    uint32_t elapsed;
+    uint32_t mark;      /* elapsed when the move was decided; 0: none waits */
+    uint32_t accel_q, jump_q8, jump_cycles;
+    uint32_t jump_of_last; /* jump_cycles of the block before */
+    uint32_t ceiling_q8; /* 0: none */
+    uint8_t ready;      /* turn that `next_*` was worked out for */
+    uint8_t next_state;
+    uint32_t next_rate_q8, next_cycles;
+    uint16_t override_q8; /* as wanted */
+    bool dry;             /* closed for want of blocks */
+    volatile bool dry_point;
+    uint16_t dry_serial;
+    ticks_t dry_tick;
+    uint8_t dry_queues;
+    uint8_t late_throttle;
+};
+
+extern struct throttle throttle;
+
+/* Between two moves: the tick that was played took what the throttle allows, the plan is no slower,
+ * and nothing else is wished. Then the next one takes the same. */
+static inline bool throttle_goes_on(uint32_t plan, uint32_t played)
+{
+    if (!throttle.is_steady || played != throttle.cycles || plan >= played)
+        return false;
+    uint32_t elapsed = throttle.elapsed + played;
+    if (elapsed >= throttle.steady_until)
+        return false;
+    throttle.elapsed = elapsed;
+    return true;
+}
+
+/* The interval to the next tick; false: none, see player.halt. `again`: chosen anew. */
+bool throttle_choose(uint32_t *cycles, bool again);
+/* The block in hand begins. */
+void throttle_enter(const struct block *block, uint32_t exit_cycles);
+/* With the timer stopped, or from the interrupt. */
+void throttle_open(void);
+void throttle_hold(void);
+void throttle_reset(void);
+/* Work ahead, in the main loop. */
+void throttle_service(void);
+void throttle_set_override(uint16_t override_q8);
+/* Ceiling of a block under the override that is wanted now, if there is one. */
+void throttle_prepare(struct block *block);
+
+static inline bool throttle_is_closed(void)
+{
+    return throttle.state == CLOSING || throttle.state == HELD;
+}
+
+static inline bool is_above_jump(uint32_t cycles)
+{
+    return cycles < throttle.jump_cycles - (throttle.jump_cycles >> 4);
+}
+
+/* The throttle has something to say in this block. */
+static inline bool throttle_minds(const struct block *block)
+{
+    return block->override_q8 > throttle.override_q8
+        || (throttle.dry_point && (int16_t)(block->serial - throttle.dry_serial) >= 0);
+}
+
+/* The limits of the block that is taken in hand. */
+static inline void throttle_take_limits(const struct block *block)
+{
+    throttle.turn++;
+    throttle.is_steady = false;
+    throttle.jump_of_last = throttle.jump_cycles;
+    throttle.accel_q = block->accel_q;
+    throttle.jump_q8 = block->jump_q8;
+    throttle.jump_cycles = block->jump_cycles;
+}
+
+#endif

@@ -1,0 +1,258 @@
+"""The serial bridge looked at and tried out; nothing moves unless it is asked for.
+
+Rule 1: a check is a name, whether it went well, and what was seen; the first one that cannot even
+        be tried ends the list.
+Rule 2: blocks that are only stored never move anything: a run begins with START.
+"""
+
+import json
+import statistics
+import time
+from collections.abc import Iterator
+from typing import Annotated, Final, NamedTuple
+
+import typer
+
+from fraese import configfile as configuration
+from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece, accel_q_from_hz_s, rate_q8_from_hz
+from fraese.cardmaker import CARDS
+from fraese.cli.shared import ConfigOption, JsonOption, leave
+from fraese.config import AXIS_NAMES, Config
+from fraese.errors import PortError
+from fraese.motor.bridge.codec import Hello, frame
+from fraese.motor.bridge.constants import KIND_PING
+from fraese.motor.bridge.driver import BridgeDriver
+from fraese.motor.bridge.line import SerialLine, only_candidate, serial_ports
+from fraese.motor.bridge.session import Session
+from fraese.motor.clock import MonotonicClock
+from fraese.motor.ports.facts import STATUS_PINS
+from fraese.motor.seams import IdleLevel
+
+app = typer.Typer()
+bridge_app = typer.Typer(help="The microcontroller on a serial port.", no_args_is_help=True)
+app.add_typer(bridge_app, name="bridge")
+
+DeviceOption = Annotated[
+    str | None,
+    typer.Option(
+        "--device", metavar="PORT", help="Serial port; else port.device, or the only one."
+    ),
+]
+BaudOption = Annotated[
+    int | None, typer.Option("--baud", metavar="RATE", help="Its rate; else port.baud.")
+]
+MoveOption = Annotated[
+    int,
+    typer.Option("--move", metavar="STEPS", min=0, help="Also move each motor there and back."),
+]
+
+_QUESTIONS: Final = 50
+_DAMAGED_FRAMES: Final = 16
+#: A slower answer than this means that something is wrong with the line.
+_SLOW_S: Final = 0.05
+_RESET_REASONS: Final = {1: "power on", 2: "reset pin", 4: "brown-out", 8: "watchdog"}
+_BLOCK_S: Final = 0.004
+
+
+class Check(NamedTuple):
+    """One thing that was tried."""
+
+    name: str
+    ok: bool
+    seen: str
+
+
+class Place(NamedTuple):
+    """Where the bridge is."""
+
+    config: Config
+    device: str
+    baud: int
+
+    def line(self) -> SerialLine:
+        """Open it."""
+        return SerialLine(self.device, self.baud)
+
+
+def _place(config: Config, device: str | None, baud: int | None) -> Place:
+    port = config.port
+    configured = port.device if port.kind == "bridge" else ""
+    return Place(config, device or configured or only_candidate(serial_ports()), baud or port.baud)
+
+
+# --- info ----------------------------------------------------------------------------------------
+
+
+@bridge_app.command()
+def info(
+    config: ConfigOption = None,
+    as_json: JsonOption = False,
+    device: DeviceOption = None,
+    baud: BaudOption = None,
+) -> None:
+    """Say who is there: board, firmware, queue, and how fast it answers."""
+
+    def go() -> int:
+        place = _place(configuration.load(config), device, baud)
+        session = Session(place.line(), MonotonicClock(), place.device, place.baud)
+        try:
+            trips_s = round_trips_s(session)
+        finally:
+            session.close()
+        facts = _facts(place, session.hello, trips_s)
+        if as_json:
+            print(json.dumps(facts))
+        else:
+            for name, value in facts.items():
+                print(f"{name.replace('_', ' '):16} {value}")
+        return 0
+
+    leave(go, as_json)
+
+
+def round_trips_s(session: Session) -> list[float]:
+    """How long it takes to be answered, some times over, s."""
+    trips_s = []
+    for _ in range(_QUESTIONS):
+        since_s = time.perf_counter()
+        session.ask()
+        trips_s.append(time.perf_counter() - since_s)
+    return trips_s
+
+
+def _facts(place: Place, hello: Hello, trips_s: list[float]) -> dict[str, object]:
+    return {
+        "device": place.device,
+        "baud": place.baud,
+        "board": hello.board,
+        "firmware": f"{hello.firmware[0]}.{hello.firmware[1]}",
+        "protocol": hello.version,
+        "queue_bytes": hello.ring,
+        "motors": hello.motors,
+        "longest_table": hello.table_max,
+        "last_reset": _RESET_REASONS.get(hello.reset_reason, "not known"),
+        "answer_ms": round(statistics.median(trips_s) * 1000, 2),
+        "slowest_ms": round(max(trips_s) * 1000, 2),
+    }
+
+
+# --- test ----------------------------------------------------------------------------------------
+
+
+@bridge_app.command("test")
+def try_out(
+    config: ConfigOption = None,
+    as_json: JsonOption = False,
+    device: DeviceOption = None,
+    baud: BaudOption = None,
+    move: MoveOption = 0,
+) -> None:
+    """Try the bridge out; no motor moves without --move."""
+
+    def go() -> int:
+        place = _place(configuration.load(config), device, baud)
+        checks = []
+        for check in _checks(place, move):
+            checks.append(check)
+            if not as_json:
+                print(f"{'ok' if check.ok else 'failed':6}  {check.name}: {check.seen}")
+        if as_json:
+            print(json.dumps([check._asdict() for check in checks]))
+        return 0 if all(check.ok for check in checks) else PortError.exit_code
+
+    leave(go, as_json)
+
+
+def _checks(place: Place, move_steps: int) -> Iterator[Check]:
+    card = CARDS[place.config.card.kind](place.config)
+    driver = BridgeDriver(place.line, card, MonotonicClock(), name=place.device, baud=place.baud)
+    try:
+        hello = driver.session.hello
+        yield Check(
+            "greeting", True, f"{hello.board}, firmware {hello.firmware[0]}.{hello.firmware[1]}"
+        )
+        for check in (_answers, _damage, _inputs, _queue):
+            yield check(driver)
+        if move_steps:
+            yield from _moves(driver, place.config, move_steps)
+    finally:
+        driver.close()
+
+
+def _answers(driver: BridgeDriver) -> Check:
+    trips_s = round_trips_s(driver.session)
+    median_s, slowest_s = statistics.median(trips_s), max(trips_s)
+    seen = f"median {median_s * 1000:.1f} ms, slowest {slowest_s * 1000:.1f} ms"
+    return Check("answers", slowest_s < _SLOW_S, seen)
+
+
+def _damage(driver: BridgeDriver) -> Check:
+    """Frames with one wrong bit each: none may count, and all must be noticed."""
+    session = driver.session
+    before = session.ask()
+    sound = frame(KIND_PING, before.ack.next_seq, bytes(4))
+    for number in range(_DAMAGED_FRAMES):
+        damaged = bytearray(sound)
+        # Within kind, number, payload and checksum; a flipped bit makes no reserved byte of these.
+        damaged[1 + number % (len(sound) - 2)] ^= 1 << number % 3
+        session.line.write(bytes(damaged))
+        session.pump(_SLOW_S / 10)
+    after = session.ask()
+    noticed = (after.line_errors - before.line_errors) & 0xFF
+    # The one command in between was the question itself.
+    counted = (after.ack.next_seq - before.ack.next_seq - 1) & 0xFF
+    seen = f"{_DAMAGED_FRAMES} damaged frames sent, {noticed} noticed, {counted} taken"
+    return Check("damage", noticed == _DAMAGED_FRAMES and not counted, seen)
+
+
+def _inputs(driver: BridgeDriver) -> Check:
+    register = driver.poll(0).inputs
+    pins = ", ".join(
+        f"{pin} {'high' if bool(register & bit) != inverted else 'low'}"
+        for pin, (bit, inverted) in STATUS_PINS.items()
+    )
+    return Check("inputs", True, f"register {register:02X}; pins {pins}")
+
+
+def _queue(driver: BridgeDriver) -> Check:
+    """Fill the queue with usual blocks, without starting them, and drop them again."""
+    session, number = driver.session, 0
+    while driver.push(_contour_block(number)):
+        number += 1
+    session.pump_until(lambda: session.link.is_quiet)
+    stored = session.ask().last
+    driver.flush()
+    dropped = driver.poll(0)
+    seen = f"{stored} blocks of {_BLOCK_S * 1000:g} ms stored, {stored * _BLOCK_S * 1000:.0f} ms"
+    return Check("queue", stored > 0 and not dropped.queued and not dropped.running, seen)
+
+
+def _contour_block(number: int) -> Block:
+    """A short line of three axes at a rate that changes: what a contour is made of."""
+    ticks = 20 + number % 3
+    interval_q8 = round(_BLOCK_S * CYCLES_PER_S / ticks * Q8) + number % 50 * Q8
+    return Block(
+        steps=(ticks, -(number % 17), number % 5),
+        pieces=(Piece(ticks, interval_q8, -(number % 90)),),
+        accel_q=accel_q_from_hz_s(40_000),
+        jump_rate_q8=rate_q8_from_hz(1000),
+        weight=1000,
+        ends_at_rest=False,
+    )
+
+
+def _moves(driver: BridgeDriver, config: Config, steps: int) -> Iterator[Check]:
+    for motor, name in enumerate(AXIS_NAMES):
+        rate_hz = getattr(config.axes, name).start_rate_hz
+        before = driver.poll(0).travelled_steps[motor]
+        for signed in (steps, -steps):
+            ways = tuple(signed if each == motor else 0 for each in range(len(AXIS_NAMES)))
+            law = (Piece(steps, round(CYCLES_PER_S / rate_hz * Q8)),)
+            driver.push(Block(ways, law, jump_rate_q8=rate_q8_from_hz(rate_hz)))
+        while (report := driver.poll(0.1)).running:
+            pass
+        made = report.travelled_steps[motor] - before
+        yield Check(
+            f"motor {name.upper()}", made == 2 * steps, f"{made} steps made, {report.ended.value}"
+        )
+    driver.idle(IdleLevel.OFF)

@@ -1,0 +1,1 @@
+"""The serial bridge: a microcontroller times the steps, a driver here feeds it."""

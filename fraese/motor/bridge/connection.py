@@ -1,0 +1,72 @@
+"""Finding the device and telling it everything; and again, when it was lost.
+
+    open line -> greet -> can it play this card? -> tables, card, phases, switch mode, override
+
+Rule 1: a device knows nothing: whatever it should know is told in every session anew.
+Rule 2: a device that was lost is looked for once a second, and not for as long as the first time:
+        whoever polls must not be kept waiting.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from fraese.errors import PortError
+from fraese.motor.bridge import constants as c
+from fraese.motor.bridge.cards import CardFacts
+from fraese.motor.bridge.line import OpenLine
+from fraese.motor.bridge.session import Session
+from fraese.motor.seams import Clock, SwitchMode
+
+MODES: Final[Mapping[SwitchMode, bytes]] = {SwitchMode.STOP: b"\x00", SwitchMode.IGNORE: b"\x01"}
+
+
+@dataclass(frozen=True)
+class Connection:
+    """How the device is reached.
+
+    Attributes:
+        open_line: opens the line.
+        clock: for waiting.
+        facts: the card.
+        name: of the line, for sentences.
+        baud: its rate, likewise.
+        patience_s: so long is a greeting repeated.
+    """
+
+    open_line: OpenLine
+    clock: Clock
+    facts: CardFacts
+    name: str
+    baud: int
+    patience_s: float
+
+    def open(self, phases: tuple[int, ...], mode: SwitchMode, override_q8: int) -> Session:
+        """Greet the device and tell it everything.
+
+        Raises:
+            PortError: if it is not there, or cannot play this card.
+        """
+        session = Session(self.open_line(), self.clock, self.name, self.baud, self.patience_s)
+        try:
+            self._require_able(session)
+            session.upload(self.facts)
+            indices = [phase & 0xFF for phase in phases] + [0] * c.MOTORS_MAX
+            session.command(c.KIND_PHASES, bytes(indices[: c.MOTORS_MAX]))
+            session.command(c.KIND_MODE, MODES[mode])
+            session.command(c.KIND_OVERRIDE, override_q8.to_bytes(2, "little"))
+        except PortError:
+            session.hang_up()
+            raise
+        return session
+
+    def _require_able(self, session: Session) -> None:
+        hello, facts = session.hello, self.facts
+        able = hello.phase_cards if facts.kind == c.CARD_PHASES else hello.clock_cards
+        if able and facts.motors <= hello.motors and len(facts.table) <= hello.table_max:
+            return
+        raise PortError(
+            f"The bridge on {self.name} ({hello.board}, firmware {hello.firmware[0]}."
+            f"{hello.firmware[1]}) cannot play this card: it drives {hello.motors} motors with"
+            f" tables of {hello.table_max} entries."
+        )

@@ -1,0 +1,341 @@
+r"""The driver whose steps are timed by a microcontroller at the end of a serial line.
+
+    push --> Outbox --> record --> Session ---line---> ring --> steps
+    brake, stop ------- urgent bytes, from any thread ---> within a tick
+    poll --> STATUS? ------------> Session <--line--- STATUS --> Picture --> Report
+
+Rule 1: as ``MotorCore``: a run begins in ``poll``, and a report knows of everything before it.
+Rule 2: blocks that were pushed before it was known that the queue had been dropped are dropped.
+Rule 3: whoever calls nothing for ``silence_s`` while the motors run, or are energised, is taken for
+        hung: the device brakes, drops the queue and switches off.
+Rule 4: a line that is lost, or a device that was reset, is told of once, as a PortError with the
+        bounds between which the motors must be. The next ``poll`` tries to find the device again,
+        once a second. Counts then go on from what was known last, and all motors are torn until
+        something moves.
+"""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from functools import partial
+from typing import Final
+
+from fraese.blocks import CYCLES_PER_S, Q8, Block
+from fraese.errors import PortError, StateError
+from fraese.motor.blockqueue import require_sound
+from fraese.motor.bridge import constants as c
+from fraese.motor.bridge.codec import Status
+from fraese.motor.bridge.connection import MODES, Connection
+from fraese.motor.bridge.fromcard import card_facts
+from fraese.motor.bridge.greeting import PATIENCE_S
+from fraese.motor.bridge.line import OpenLine
+from fraese.motor.bridge.outbox import Outbox
+from fraese.motor.bridge.picture import Picture
+from fraese.motor.bridge.session import Session
+from fraese.motor.seams import Card, Clock, Ended, IdleLevel, Report, SwitchMode
+from fraese.motor.switches import SwitchInput
+
+#: A poll asks for its last report so long before its time is up: an answer takes 4 ms.
+_ANSWER_S: Final = 0.004
+#: Between two reports while a run is watched: often enough to keep the ring filled, and seldom, for
+#: a report costs the device as much time as forty steps.
+_LOOK_S: Final = 0.02
+#: Between two attempts to find a lost device again, and how long one lasts.
+_REVIVE_S: Final = 1.0
+_MOST_OVERRIDE_Q8: Final = 0xFFFF
+_NS_PER_S: Final = 1_000_000_000
+_LEVELS: Final[Mapping[IdleLevel, bytes]] = {IdleLevel.OFF: b"\x00", IdleLevel.HOLD: b"\x01"}
+
+
+class BridgeDriver:
+    """The peer behind the StepDriver seam that has a microcontroller make the steps.
+
+    Args:
+        open_line: opens the line; also used to find a lost device again.
+        card: what the registers mean; only asked for facts and phases.
+        clock: for waiting; the steps have their own.
+        switch: the shared end-switch input.
+        settle_s: wait after energising, before the first step.
+        capacity: blocks that are taken before they are played, 250 at most.
+        safe_outputs: free outputs that are off whenever the motors stand (a laser).
+        silence_s: so long may the host call nothing while motors run or have current.
+        name: of the line, for sentences.
+        baud: its rate, likewise.
+        patience_s: so long is the first greeting repeated.
+
+    Raises:
+        PortError: if the device is not there, or not one.
+    """
+
+    def __init__(
+        self,
+        open_line: OpenLine,
+        card: Card,
+        clock: Clock,
+        switch: SwitchInput = SwitchInput(),  # noqa: B008 (immutable)
+        settle_s: float = 0.02,
+        capacity: int = 250,
+        safe_outputs: int = 0,
+        silence_s: float = 1.0,
+        name: str = "the line",
+        baud: int = c.DEFAULT_BAUD,
+        patience_s: float = PATIENCE_S,
+    ) -> None:
+        facts = card_facts(
+            card,
+            switch,
+            settle_cycles=round(settle_s * CYCLES_PER_S),
+            safe_outputs=safe_outputs,
+            silence_ms=round(silence_s * 1000),
+        )
+        self._connection = Connection(open_line, clock, facts, name, baud, patience_s)
+        self._card = card
+        self._clock = clock
+        self._name = name
+        self._capacity = capacity
+        self._mode = SwitchMode.STOP
+        self._override_q8 = self._override_sent_q8 = Q8
+        self._stopping = False
+        self._revive_at_ns = 0
+        self._closed = False
+        self._picture = Picture(card, has_table=bool(facts.table))
+        self._session: Session | None = None
+        self._connect()
+
+    # --- the seam --------------------------------------------------------------------------------
+
+    def push(self, block: Block) -> bool:
+        """Take a final block; False: the queue is full and nothing was taken.
+
+        Raises:
+            ValueError: if it cannot be played as it says, or never fits the device.
+            PortError: if the device is lost.
+        """
+        session = self.session
+        require_sound(block, self._card.motors)
+        account = self._picture.account
+        if account.queued >= self._capacity or self._outbox.is_full:
+            return False
+        data = self._outbox.record(block, account.pushed + 1)
+        account.push(block)
+        session.link.stream(data)
+        return True
+
+    def poll(self, budget_s: float) -> Report:
+        """Let it play for at most that long, and say where things stand.
+
+        Raises:
+            PortError: if the device was lost since the last call, or is not there yet.
+        """
+        until_ns = self._clock.now_ns() + round(budget_s * _NS_PER_S)
+        if self._session is None:
+            self._revive()
+        picture = self._picture
+        with self._guarded() as session:
+            if picture.stands or budget_s < 2 * _ANSWER_S:
+                self._look(session)
+                self._see_to_start(session)
+            while picture.runs and (left_s := self._left_s(until_ns) - _ANSWER_S) > 0:
+                self._watch(session, min(left_s, _LOOK_S))
+                self._look(session)
+                self._see_to_start(session)
+        return picture.report(self._capacity, self._outbox.room_blocks)
+
+    def brake(self) -> None:
+        """Close the throttle; the queue stays. From any thread."""
+        self._shout(c.URGENT_BRAKE)
+
+    def stop(self) -> None:
+        """Finish the tick in hand, drop the rest. From any thread."""
+        self._stopping = True
+        self._shout(c.URGENT_STOP)
+
+    def set_override(self, factor: float) -> None:
+        """Play what was planned with a higher feed override no faster. From any thread."""
+        self._override_q8 = min(_MOST_OVERRIDE_Q8, round(factor * Q8))
+
+    def resume(self) -> None:
+        """Open the throttle again; not while braking for a watch that ends the run."""
+        with self._guarded() as session:
+            self._confirm_shouts(session)
+            session.command(c.KIND_RESUME)
+
+    def flush(self) -> None:
+        """Drop the queue at standstill, and open the throttle for what comes next.
+
+        Raises:
+            StateError: while steps are being made.
+            PortError: if the device is lost.
+        """
+        with self._guarded() as session:
+            self._require_standstill(session, "the queue can only be dropped")
+            self._drop(session, Ended.FLUSH)
+
+    def idle(self, level: IdleLevel) -> None:
+        """Set the standstill current.
+
+        Raises:
+            StateError: while steps are being made.
+            PortError: if the device is lost.
+        """
+        with self._guarded() as session:
+            self._require_standstill(session, "the motors can only be switched off")
+            session.command(c.KIND_IDLE, _LEVELS[level])
+
+    def set_outputs(self, mask: int, value: int) -> None:
+        """Change free outputs now; those that must be safe at standstill, at the next start."""
+        with self._guarded() as session:
+            session.command(c.KIND_OUTPUTS, bytes((mask & 0x0F, value & 0x0F)))
+
+    def set_switch_mode(self, mode: SwitchMode) -> None:
+        """Choose what an end switch does to blocks that do not watch it."""
+        self._mode = mode
+        with self._guarded() as session:
+            session.command(c.KIND_MODE, MODES[mode])
+
+    def close(self) -> None:
+        """Motors and outputs off, line given back. Safe to call twice.
+
+        Raises:
+            PortError: if the device did not confirm it.
+        """
+        self._closed = True
+        session, self._session = self._session, None
+        if session is not None:
+            session.close()
+
+    # --- for who wants to know more --------------------------------------------------------------
+
+    @property
+    def session(self) -> Session:
+        """The connection.
+
+        Raises:
+            PortError: if there is none.
+        """
+        if self._closed:
+            raise PortError("The port is closed.")
+        if self._session is None:
+            raise PortError(f"The bridge on {self._name} is lost.")
+        return self._session
+
+    @property
+    def status(self) -> Status:
+        """The device's last word."""
+        return self._picture.status
+
+    # --- a run -----------------------------------------------------------------------------------
+
+    def _see_to_start(self, session: Session) -> None:
+        """Play what waits, if nothing plays; the ring is filled first, as far as it goes."""
+        picture, link = self._picture, session.link
+        is_held = picture.status.state & c.State.HELD
+        if not picture.stands or not picture.runs or is_held or self._stopping:
+            return
+        session.pump_until(lambda: link.is_quiet)
+        # Refused only if the queue was dropped meanwhile, which the look shows.
+        ticket = link.command(c.KIND_START, bytes((link.epoch,)))
+        session.pump_until(lambda: link.done >= ticket)
+        self._look(session)
+
+    def _look(self, session: Session) -> None:
+        """A fresh STATUS, and what must follow from it."""
+        if self._override_q8 != self._override_sent_q8:
+            self._override_sent_q8 = self._override_q8
+            session.command(c.KIND_OVERRIDE, self._override_sent_q8.to_bytes(2, "little"))
+        session.ask()
+        self._confirm_shouts(session)
+        if self._stopping and self._picture.stands:
+            self._stopping = False
+            if self._picture.account.queued:
+                # It was still on its way, or here, when the device stopped.
+                self._drop(session, Ended.STOP)
+
+    def _confirm_shouts(self, session: Session) -> None:
+        """Wait until the device has counted what was shouted."""
+        link = session.link
+        while link.wants(c.URGENT_BRAKE) or link.wants(c.URGENT_STOP):
+            link.ask()
+            session.pump(_ANSWER_S)
+
+    def _drop(self, session: Session, ended: Ended) -> None:
+        """Drop the queue of a device that stands, and what never got there."""
+        session.link.drop_stream()
+        session.command(c.KIND_FLUSH)
+        session.ask()
+        self._picture.account.settle(self._picture.status)
+        self._outbox.restart()
+        self._picture.ended = ended
+
+    def _watch(self, session: Session, seconds: float) -> None:
+        """Feed the device and listen, until the time is up or the motors stand."""
+        until_ns = self._clock.now_ns() + round(seconds * _NS_PER_S)
+        while self._picture.runs and (left_s := self._left_s(until_ns)) > 0:
+            session.pump(left_s)
+
+    def _left_s(self, until_ns: int) -> float:
+        return (until_ns - self._clock.now_ns()) / _NS_PER_S
+
+    def _require_standstill(self, session: Session, what: str) -> None:
+        self._look(session)
+        if not self._picture.stands:
+            raise StateError(f"The motors run: {what} at standstill; brake or stop first.")
+
+    def _shout(self, byte: int) -> None:
+        session = self._session
+        if session is not None:
+            # If the line is lost, the next poll says so.
+            with suppress(PortError):
+                session.shout(byte)
+
+    def _hear(self, session: Session, status: Status) -> None:
+        """Every STATUS comes by here."""
+        dropped = status.ack.epoch != session.link.epoch
+        if dropped:
+            session.link.epoch = status.ack.epoch
+            session.link.drop_stream()
+            self._outbox.restart()
+        self._picture.hear(status, self._clock.now_ns(), dropped=dropped)
+        if self._picture.stands and not self._picture.account.queued:
+            self._outbox.forget_horizon()
+
+    # --- lives -----------------------------------------------------------------------------------
+
+    @contextmanager
+    def _guarded(self) -> Iterator[Session]:
+        """Whatever goes wrong with the line within this ends the session."""
+        session = self.session
+        try:
+            yield session
+        except PortError as error:
+            session.hang_up()
+            self._session = None
+            where = self._picture.whereabouts()
+            raise PortError(f"{str(error).rstrip('.')}; {where}.") from error
+
+    def _revive(self) -> None:
+        """Find the device again; counts go on, but nobody knows what they are worth."""
+        if self._closed:
+            raise PortError("The port is closed.")
+        now_ns = self._clock.now_ns()
+        if now_ns < self._revive_at_ns:
+            raise PortError(f"The bridge on {self._name} is lost; it is tried again in a moment.")
+        try:
+            self._picture.lose()
+            self._connect()
+        finally:
+            self._revive_at_ns = self._clock.now_ns() + round(_REVIVE_S * _NS_PER_S)
+
+    def _connect(self) -> None:
+        """A session, with all that it needs here.
+
+        Raises:
+            PortError: if the device is not there, or cannot play this card.
+        """
+        session = self._connection.open(self._card.phases(), self._mode, self._override_q8)
+        self._override_sent_q8 = self._override_q8
+        self._outbox = Outbox(session.link, session.hello.ring)
+        self._picture.begin(session.ask(), session.link)
+        session.listener = partial(self._hear, session)
+        session.ask()
+        self._stopping = False
+        self._session = session

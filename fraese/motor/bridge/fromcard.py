@@ -1,0 +1,88 @@
+"""Cards of this program as facts for the device: one function and one row for each.
+
+Another card is a function here, if the device can play it.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+from fraese.motor.bridge.cards import CardFacts, Line
+from fraese.motor.bridge.constants import CARD_CLOCKS, CARD_PHASES
+from fraese.motor.cards.control import CONTROL_PINS, OutputPin
+from fraese.motor.cards.smc1500 import SmcCard
+from fraese.motor.cards.stepdir import ACTIVE_PIN, BOOST_PIN, StepDirCard
+from fraese.motor.phases import MOTZERO, motor_bits
+from fraese.motor.seams import Card
+from fraese.motor.switches import SwitchInput
+
+
+def pin_line(pin: int, active_high: bool = True) -> Line:
+    """A control pin as a bit of the register, and the bit's value when the line is on."""
+    bit, inverted = CONTROL_PINS[pin]
+    return Line(bit, bit if active_high != inverted else 0)
+
+
+def _outputs(pins: Sequence[OutputPin]) -> tuple[Line, ...]:
+    return tuple(pin_line(*pin) for pin in pins)
+
+
+def _smc_facts(card: SmcCard) -> CardFacts:
+    return CardFacts(
+        kind=CARD_PHASES,
+        motors=card.motors,
+        table=card.table,
+        hold=card.hold_table,
+        control_rest=card.lines.rest,
+        strobe=CONTROL_PINS[1][0],
+        outputs=_outputs(card.lines.outputs),
+        motor_bits=tuple(motor_bits(motor) for motor in range(card.motors)),
+        off=MOTZERO,
+        beat_cycles=card.beat_cycles,
+    )
+
+
+def _stepdir_facts(card: StepDirCard) -> CardFacts:
+    return CardFacts(
+        kind=CARD_CLOCKS,
+        motors=card.motors,
+        control_rest=card.lines.rest,
+        clock_rest=card.clock_rest,
+        forward_high=card.forward_high,
+        active=pin_line(ACTIVE_PIN),
+        boost=pin_line(BOOST_PIN),
+        outputs=_outputs(card.lines.outputs),
+        enable=card.enable_mask,
+        pulse_cycles=card.pulse_cycles,
+        setup_cycles=card.setup_cycles,
+        beat_cycles=card.beat_cycles,
+    )
+
+
+FACTS: Final[Mapping[type, Callable[[Any], CardFacts]]] = {
+    SmcCard: _smc_facts,
+    StepDirCard: _stepdir_facts,
+}
+
+
+def card_facts(
+    card: Card, switch: SwitchInput, *, settle_cycles: int, safe_outputs: int, silence_ms: int
+) -> CardFacts:
+    """What the device is told.
+
+    Args:
+        card: a class with a row in ``FACTS``.
+        switch: the shared end-switch input.
+        settle_cycles: wait after energising.
+        safe_outputs: outputs that are off whenever the motors stand.
+        silence_ms: longest silence of the host.
+    """
+    return replace(
+        FACTS[type(card)](card),
+        safe=safe_outputs,
+        settle_cycles=settle_cycles,
+        switch_mask=switch.mask,
+        switch_value=switch.closed_value,
+        readings=switch.readings,
+        silence_ms=silence_ms,
+    )

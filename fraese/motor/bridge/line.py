@@ -1,0 +1,203 @@
+"""The serial port: bytes in and out, and one sentence for whatever goes wrong with it.
+
+Rule 1: a write is whole and may come from any thread: a brake need not wait for whoever reads.
+Rule 2: a port is ours alone.
+Rule 3: a board that looks like an Arduino is known by the maker of its USB chip; nothing is opened
+        to find out, since opening resets it.
+"""
+
+import errno
+import os
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Final, NamedTuple, Protocol
+
+import serial
+from serial.tools import list_ports
+
+from fraese.errors import PortError
+
+#: Longest wait within pyserial; what is waited for longer is waited for in such slices.
+_SLICE_S: Final = 0.005
+_WRITE_TIMEOUT_S: Final = 1.0
+
+#: USB vendors of such boards and of the serial chips on their copies.
+MAKERS: Final = {
+    0x2341: "Arduino",
+    0x2A03: "Arduino",
+    0x1A86: "CH340",
+    0x0403: "FTDI",
+    0x10C4: "CP210x",
+    0x067B: "PL2303",
+    0x1B4F: "SparkFun",
+    0x239A: "Adafruit",
+}
+
+
+class Line(Protocol):
+    """Bytes there and back.
+
+    Raises:
+        PortError: from every method but ``close``, when the line is gone.
+    """
+
+    def read(self, timeout_s: float) -> bytes:
+        """What has come; waits so long for the first byte of it, at most."""
+
+    def write(self, data: bytes) -> None:
+        """Send all of it. From any thread."""
+
+    def set_baud(self, baud: int) -> None:
+        """Speak at another rate."""
+
+    def close(self) -> None:
+        """Let go. Safe to call twice."""
+
+
+OpenLine = Callable[[], Line]
+
+
+class SerialLine:
+    """A Line on a serial port.
+
+    Args:
+        device: name of the port.
+        baud: rate.
+
+    Raises:
+        PortError: if it is not there, not allowed, or somebody else's.
+    """
+
+    def __init__(self, device: str, baud: int) -> None:
+        self._device = device
+        self._lock = threading.Lock()
+        try:
+            self._port = serial.Serial(
+                device,
+                baud,
+                timeout=_SLICE_S,
+                write_timeout=_WRITE_TIMEOUT_S,
+                exclusive=True,
+            )
+        except (OSError, ValueError) as error:
+            raise PortError(_refusal(device, baud, error)) from error
+
+    def read(self, timeout_s: float) -> bytes:
+        """What has come; waits so long for the first byte of it, at most.
+
+        Raises:
+            PortError: if the port is gone.
+        """
+        until_s = time.monotonic() + timeout_s
+        try:
+            while True:
+                data: bytes = self._port.read(max(1, self._port.in_waiting))
+                if data or time.monotonic() >= until_s:
+                    return data
+        except (OSError, TypeError) as error:
+            raise self._gone(error) from error
+
+    def write(self, data: bytes) -> None:
+        """Send all of it. From any thread.
+
+        Raises:
+            PortError: if the port is gone.
+        """
+        try:
+            with self._lock:
+                self._port.write(data)
+        except (OSError, TypeError) as error:
+            raise self._gone(error) from error
+
+    def set_baud(self, baud: int) -> None:
+        """Speak at another rate.
+
+        Raises:
+            PortError: if the port is gone, or cannot.
+        """
+        try:
+            self._port.baudrate = baud
+        except (OSError, ValueError) as error:
+            raise self._gone(error) from error
+
+    def close(self) -> None:
+        """Let go. Safe to call twice."""
+        with suppress(OSError, TypeError):
+            self._port.close()
+
+    def _gone(self, error: Exception) -> PortError:
+        if not self._port.is_open:
+            return PortError(f"{self._device} is used after it was given back.")
+        return PortError(f"{self._device} is gone ({_reason(error)}): is the plug still in?")
+
+
+class SerialPort(NamedTuple):
+    """A serial port of this computer.
+
+    Attributes:
+        device: its name.
+        description: what it says of itself.
+        vid, pid: numbers of its USB chip; None: it has none.
+        maker: of a board or chip that may carry the bridge; empty: none that is known.
+    """
+
+    device: str
+    description: str
+    vid: int | None
+    pid: int | None
+    maker: str
+
+
+def serial_ports() -> list[SerialPort]:
+    """All of them; those that look like an Arduino first."""
+    found = [
+        SerialPort(
+            port.device, port.description or "", port.vid, port.pid, MAKERS.get(port.vid, "")
+        )
+        for port in list_ports.comports()
+    ]
+    return sorted(found, key=lambda port: (not port.maker, port.device))
+
+
+def only_candidate(ports: list[SerialPort]) -> str:
+    """The one port that can be meant.
+
+    Raises:
+        PortError: if there is none, or several.
+    """
+    likely = [port.device for port in ports if port.maker]
+    if len(likely) == 1:
+        return likely[0]
+    if not likely:
+        raise PortError(
+            "No board is plugged in that looks like an Arduino: plug it in, or name its port in"
+            " port.device (see fraese ports)."
+        )
+    raise PortError(
+        f"Several boards are plugged in ({', '.join(likely)}): name the one that is meant in"
+        " port.device."
+    )
+
+
+def _refusal(device: str, baud: int, error: Exception) -> str:
+    number = getattr(error, "errno", None)
+    if number in (errno.ENOENT, errno.ENXIO, errno.ENODEV):
+        return f"{device} does not exist: plug the board in, or correct port.device."
+    if number in (errno.EACCES, errno.EPERM):
+        return (
+            f"{device} may not be used by this user: join its group with"
+            " sudo usermod -aG dialout $USER and log in again."
+        )
+    if number in (errno.EBUSY, errno.EAGAIN):
+        return f"{device} is in use by another program: close that one first."
+    if isinstance(error, ValueError):
+        return f"{device} cannot be opened at {baud} baud: correct port.baud."
+    return f"{device} cannot be opened: {_reason(error)}."
+
+
+def _reason(error: Exception) -> str:
+    """What the system said, without the words that pyserial puts round it."""
+    number = getattr(error, "errno", None)
+    return os.strerror(number) if number else str(error).rstrip(".")

@@ -1,0 +1,371 @@
+"""Blocks as records, the stream that fills the device's ring: there and back.
+
+    record   length | dry point | body
+    body     shape | law | (rare) | (count) | steps | limits ... | pieces
+
+Rule 1: a record says what is different: limits that are those of the block before are left out,
+        an interval that goes on where the piece before ended costs nothing.
+Rule 2: what the device needs and the host knows already is sent worked out: the effective
+        start/stop rate, the dry point, the shortest interval of a plan with an override.
+Rule 3: what comes back is the block as the device plays it: without weight and tag, its
+        start/stop rate the effective one.
+"""
+
+import struct
+from math import isqrt
+from typing import Final, NamedTuple
+
+from fraese.blocks import Block, Outputs, Piece, Watch
+from fraese.motor.bridge.constants import (
+    DRY_NONE,
+    LAW_ACCEL,
+    LAW_JUMP,
+    LAW_OVERRIDE,
+    LAW_PIECES,
+    MOST_PIECES,
+    MOST_TICKS,
+    PIECE_ADD_SHIFT,
+    PIECE_INTERVAL_SHIFT,
+    RARE_ACCEL,
+    RARE_JUMP,
+    RARE_OUTPUTS,
+    RARE_TOP,
+    RARE_WATCH,
+    SHAPE_RARE,
+    SHAPE_RESTS,
+    SHAPE_WIDTH_SHIFT,
+    WATCH_ACTIONS,
+)
+
+#: ``isqrt(accel_q * this) >> 2`` is a start/stop rate as good as standing, see the throttle.
+_FROM_REST: Final = 62_500
+_U32: Final = 0xFFFF_FFFF
+_ACTIONS: Final = {number: action for action, number in WATCH_ACTIONS.items()}
+_WIDTHS: Final = (1, 2, 4)
+
+
+class Carried(NamedTuple):
+    """Limits that go on from block to block; as they are at the beginning of an epoch."""
+
+    accel_q: int = 1
+    jump_q8: int = 1
+    override_q8: int = 0
+
+
+class Dry(NamedTuple):
+    """A dry point: so many blocks back from the record that carries it, after so many ticks."""
+
+    back: int
+    ticks_done: int
+
+
+def effective_jump_q8(block: Block) -> int:
+    """The start/stop rate that the throttle works with."""
+    return max(1, block.jump_rate_q8, isqrt(block.accel_q * _FROM_REST) >> 2)
+
+
+def carried_after(block: Block, carried: Carried) -> Carried:
+    """What the next record can leave out after this block."""
+    if not any(block.steps):
+        return carried._replace(override_q8=block.override_q8)
+    return Carried(block.accel_q, effective_jump_q8(block), block.override_q8)
+
+
+def record(block: Block, carried: Carried, dry: Dry | None) -> bytes:
+    """A block as it goes into BLOCKS frames.
+
+    Args:
+        block: what is to be played.
+        carried: limits of the block before, ``Carried()`` at the beginning of an epoch.
+        dry: where braking must begin if nothing follows; None: it ends at rest.
+
+    Raises:
+        ValueError: if the device cannot hold it: too many ticks or pieces, or a number too large.
+    """
+    return with_dry_point(body(block, carried), dry)
+
+
+def with_dry_point(text: bytes, dry: Dry | None) -> bytes:
+    """The record around a body."""
+    if len(text) >= 1 << 15:
+        raise ValueError(f"a record of {len(text)} bytes; 32767 at most")
+    if len(text) < 0x80:
+        length = bytes((len(text),))
+    else:
+        length = bytes((0x80 | len(text) >> 8, len(text) & 0xFF))
+    return length + _dry_point(dry) + text
+
+
+def _dry_point(dry: Dry | None) -> bytes:
+    if dry is None:
+        return bytes((DRY_NONE,))
+    if not 0 <= dry.back < DRY_NONE:
+        raise ValueError(f"a dry point {dry.back} blocks back; {DRY_NONE - 1} at most")
+    out, left = bytearray((dry.back,)), dry.ticks_done
+    while left >= 0x80:
+        out.append(0x80 | left & 0x7F)
+        left >>= 7
+    out.append(left)
+    return bytes(out)
+
+
+def body(block: Block, carried: Carried) -> bytes:
+    """What the device stores of a block.
+
+    Raises:
+        ValueError: if the device cannot hold it: too many ticks or pieces, or a number too large.
+    """
+    pieces = [piece for piece in block.pieces if piece.ticks]
+    moves = any(block.steps)
+    ticks = sum(piece.ticks for piece in pieces)
+    if ticks > MOST_TICKS or len(pieces) > MOST_PIECES:
+        raise ValueError(
+            f"a block of {ticks} ticks in {len(pieces)} pieces; "
+            f"the bridge plays {MOST_TICKS} in {MOST_PIECES}"
+        )
+    shape, steps = _steps(block.steps)
+    law, rare, numbers = _limits(block, carried) if moves else (0, 0, b"")
+    if block.override_q8 != carried.override_q8:
+        law |= LAW_OVERRIDE
+        numbers += struct.pack("<H", block.override_q8)
+    if block.override_q8 and (top_cycles := _unexpected_top(pieces)):
+        rare |= RARE_TOP
+        numbers += top_cycles.to_bytes(3, "little")
+    if block.watch:
+        rare |= RARE_WATCH
+        numbers += bytes((block.watch.mask, block.watch.value, WATCH_ACTIONS[block.watch.action]))
+    if block.outputs:
+        rare |= RARE_OUTPUTS
+        numbers += bytes(((block.outputs.mask & 15) << 4 | block.outputs.value & 15,))
+    head = bytearray((shape | (SHAPE_RARE if rare else 0), law | min(len(pieces), LAW_PIECES)))
+    if block.ends_at_rest:
+        head[0] |= SHAPE_RESTS
+    if rare:
+        head.append(rare)
+    if len(pieces) >= LAW_PIECES:
+        head.append(len(pieces))
+    return bytes(head) + steps + numbers + _pieces(pieces, moves)
+
+
+def _steps(steps: tuple[int, ...]) -> tuple[int, bytes]:
+    """Moving motors and width for the shape, and the numbers."""
+    longest = max(n if n >= 0 else -n - 1 for n in steps)
+    code = 0 if longest < 0x80 else 1 if longest < 0x8000 else 2
+    moving = sum(1 << motor for motor, n in enumerate(steps) if n)
+    numbers = b"".join(n.to_bytes(_WIDTHS[code], "little", signed=True) for n in steps if n)
+    return moving | code << SHAPE_WIDTH_SHIFT, numbers
+
+
+def _limits(block: Block, carried: Carried) -> tuple[int, int, bytes]:
+    """Acceleration and start/stop rate, where they have changed."""
+    law = rare = 0
+    numbers = b""
+    for value, before, short, long in (
+        (block.accel_q, carried.accel_q, LAW_ACCEL, RARE_ACCEL),
+        (effective_jump_q8(block), carried.jump_q8, LAW_JUMP, RARE_JUMP),
+    ):
+        if value == before:
+            continue
+        shift = max(0, value.bit_length() - 8)
+        if value >> shift << shift == value:
+            law |= short
+            numbers += bytes((value >> shift, shift))
+        else:
+            rare |= long
+            numbers += value.to_bytes(4, "little")
+    return law, rare, numbers
+
+
+def _unexpected_top(pieces: list[Piece]) -> int:
+    """The shortest interval of a plan, in cycles; 0: it is the first."""
+    if not pieces:
+        return 0
+    shortest = min(min(p.interval_q8, p.last_interval_q8()) for p in pieces) >> 8
+    return 0 if shortest == pieces[0].interval_q8 >> 8 else max(1, shortest)
+
+
+def _pieces(pieces: list[Piece], moves: bool) -> bytes:
+    out = bytearray()
+    goes_on_q8 = 0
+    for number, piece in enumerate(pieces):
+        is_rest = moves and number == len(pieces) - 1
+        ticks_form, ticks = (0, b"") if is_rest else _ticks(piece.ticks)
+        form, interval = _interval(piece.interval_q8, goes_on_q8)
+        add_form, add = _add(piece.add_q8)
+        out.append(ticks_form | form << PIECE_INTERVAL_SHIFT | add_form << PIECE_ADD_SHIFT)
+        out += ticks + interval + add
+        goes_on_q8 = piece.interval_q8 + piece.ticks * piece.add_q8 & _U32
+    return bytes(out)
+
+
+def _ticks(ticks: int) -> tuple[int, bytes]:
+    for form, size in ((1, 1), (2, 2), (3, 4)):
+        if not ticks >> 8 * size:
+            return form, ticks.to_bytes(size, "little")
+    raise ValueError(f"a piece of {ticks} ticks")
+
+
+def _interval(interval_q8: int, goes_on_q8: int) -> tuple[int, bytes]:
+    change = interval_q8 - goes_on_q8
+    if not change:
+        return 0, b""
+    if -0x80 <= change < 0x80:
+        return 1, change.to_bytes(1, "little", signed=True)
+    if -0x8000 <= change < 0x8000:
+        return 2, change.to_bytes(2, "little", signed=True)
+    size = max(2, (interval_q8.bit_length() + 7) // 8)
+    if size > 4:
+        raise ValueError(f"an interval of {interval_q8}/256 cycles; {_U32} at most")
+    return size + 1, interval_q8.to_bytes(size, "little")
+
+
+def _add(add_q8: int) -> tuple[int, bytes]:
+    if not add_q8:
+        return 0, b""
+    for form, size in ((1, 1), (2, 2), (3, 4)):
+        if -1 << 8 * size - 1 <= add_q8 < 1 << 8 * size - 1:
+            return form, add_q8.to_bytes(size, "little", signed=True)
+    raise ValueError(f"an interval that changes by {add_q8}/256 cycles a tick")
+
+
+class Received(NamedTuple):
+    """A record as the device understands it.
+
+    Attributes:
+        block: without weight and tag, with the effective start/stop rate.
+        top_cycles: shortest interval of the plan, in cycles; 0: none was sent.
+        dry: its dry point.
+    """
+
+    block: Block
+    top_cycles: int
+    dry: Dry | None
+
+
+class RecordReader:
+    """Takes the stream in pieces of any size and gives the blocks in it.
+
+    Args:
+        motors: of the card.
+    """
+
+    def __init__(self, motors: int) -> None:
+        self._motors = motors
+        self._carried = Carried()
+        self._data = bytearray()
+
+    def feed(self, data: bytes) -> list[Received]:
+        """All records that came to their end with these bytes."""
+        self._data += data
+        found = []
+        while (whole := self._whole_record()) is not None:
+            dry, text, used = whole
+            block, top_cycles = self._block(_Bytes(text))
+            self._carried = carried_after(block, self._carried)
+            found.append(Received(block, top_cycles, dry))
+            del self._data[:used]
+        return found
+
+    def _whole_record(self) -> tuple[Dry | None, bytes, int] | None:
+        """Dry point, body, and bytes used; None: it has not come wholly."""
+        take = _Bytes(bytes(self._data))
+        try:
+            length = take.unsigned(1)
+            if length & 0x80:
+                length = (length & 0x7F) << 8 | take.unsigned(1)
+            back, ticks_done, shift = take.unsigned(1), 0, 0
+            more = back != DRY_NONE
+            while more:
+                byte = take.unsigned(1)
+                ticks_done |= (byte & 0x7F) << shift
+                shift += 7
+                more = bool(byte & 0x80)
+            text = take.some(length)
+        except IndexError:
+            return None
+        return (None if back == DRY_NONE else Dry(back, ticks_done)), text, take.at
+
+    def _block(self, take: "_Bytes") -> tuple[Block, int]:
+        shape, law = take.unsigned(1), take.unsigned(1)
+        rare = take.unsigned(1) if shape & SHAPE_RARE else 0
+        count = law & LAW_PIECES
+        if count == LAW_PIECES:
+            count = take.unsigned(1)
+        width = _WIDTHS[shape >> SHAPE_WIDTH_SHIFT & 3]
+        steps = tuple(
+            take.signed(width) if shape >> motor & 1 else 0 for motor in range(self._motors)
+        )
+        before = self._carried
+        accel_q = take.limit(law & LAW_ACCEL, rare & RARE_ACCEL, before.accel_q)
+        jump_q8 = take.limit(law & LAW_JUMP, rare & RARE_JUMP, before.jump_q8)
+        override_q8 = take.unsigned(2) if law & LAW_OVERRIDE else before.override_q8
+        top_cycles = take.unsigned(3) if rare & RARE_TOP else 0
+        watch = outputs = None
+        if rare & RARE_WATCH:
+            watch = Watch(take.unsigned(1), take.unsigned(1), _ACTIONS[take.unsigned(1)])
+        if rare & RARE_OUTPUTS:
+            packed = take.unsigned(1)
+            outputs = Outputs(packed >> 4, packed & 15)
+        pieces = _read_pieces(take, count, max(abs(n) for n in steps))
+        moves = any(steps)
+        block = Block(
+            steps=steps,
+            pieces=pieces,
+            accel_q=accel_q if moves else 0,
+            jump_rate_q8=jump_q8 if moves else 0,
+            ends_at_rest=bool(shape & SHAPE_RESTS),
+            watch=watch,
+            outputs=outputs,
+            override_q8=override_q8,
+        )
+        return block, top_cycles
+
+
+def _read_pieces(take: "_Bytes", count: int, longest: int) -> tuple[Piece, ...]:
+    pieces: list[Piece] = []
+    goes_on_q8 = done = 0
+    for _ in range(count):
+        head = take.unsigned(1)
+        form = head & 3
+        ticks = take.unsigned((0, 1, 2, 4)[form]) if form else longest - done
+        form = head >> PIECE_INTERVAL_SHIFT & 7
+        if form >= 3:
+            interval_q8 = take.unsigned(form - 1)
+        else:
+            interval_q8 = goes_on_q8 + (take.signed(form) if form else 0)
+        form = head >> PIECE_ADD_SHIFT & 3
+        add_q8 = take.signed((0, 1, 2, 4)[form]) if form else 0
+        pieces.append(Piece(ticks, interval_q8, add_q8))
+        done += ticks
+        goes_on_q8 = interval_q8 + ticks * add_q8 & _U32
+    return tuple(pieces)
+
+
+class _Bytes:
+    """Numbers out of bytes, one after the other.
+
+    Raises:
+        IndexError: from every method, when there are not enough.
+    """
+
+    def __init__(self, data: bytes) -> None:
+        self._data = data
+        self.at = 0
+
+    def some(self, count: int) -> bytes:
+        if self.at + count > len(self._data):
+            raise IndexError(count)
+        self.at += count
+        return self._data[self.at - count : self.at]
+
+    def unsigned(self, size: int) -> int:
+        return int.from_bytes(self.some(size), "little")
+
+    def signed(self, size: int) -> int:
+        return int.from_bytes(self.some(size), "little", signed=True)
+
+    def limit(self, short: int, long: int, before: int) -> int:
+        if short:
+            mantissa = self.unsigned(1)
+            return mantissa << self.unsigned(1)
+        return self.unsigned(4) if long else before

@@ -1,0 +1,154 @@
+"""Firmware and polled core make the same register writes, in the same order, at the same cycles."""
+
+from dataclasses import dataclass
+
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+from fraese.blocks import Block, Outputs, Piece, dwell
+from fraese.motor.bridge import constants as c
+from tests.bridge.device import reason_to_skip
+from tests.bridge.peers import PHASES, Core, Kind, clock_kind, compare, device_for, device_writes
+
+_SLOW = settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow],
+    phases=[Phase.explicit, Phase.reuse, Phase.generate],
+)  # fmt: skip
+
+pytestmark = pytest.mark.skipif(bool(reason_to_skip()), reason=reason_to_skip())
+
+#: Below this a block is over before the next one can be decoded.
+_SHORTEST_BLOCK_CYCLES = 9_000
+#: A start/stop rate that no block exceeds: the throttle stays open.
+_ANY_RATE = 255 << 16
+
+
+@dataclass(frozen=True)
+class Range:
+    """What blocks a test is given.
+
+    Attributes:
+        motors: of the card.
+        least_cycles: shortest interval of a plan,
+        spread: and how much longer others may be.
+        least_ticks: of a piece, if the block has as many.
+        dwell_s: shortest and longest wait.
+        throttled: start/stop rates are low, so that blocks are entered on a ramp.
+    """
+
+    motors: int
+    least_cycles: int
+    spread: float = 6.0
+    throttled: bool = False
+    least_ticks: int = 1
+    dwell_s: tuple[float, float] = (0.001, 0.03)
+
+
+@st.composite
+def _laws(draw: st.DrawFn, ticks: int, given: Range) -> tuple[Piece, ...]:
+    """Pieces for so many ticks, none faster than the range says."""
+    least_q8 = max(given.least_cycles, _SHORTEST_BLOCK_CYCLES // ticks) * 256
+    most_q8 = int(least_q8 * given.spread)
+    pieces: list[Piece] = []
+    while ticks:
+        least = min(ticks, given.least_ticks)
+        count = draw(st.integers(least, ticks)) if len(pieces) < 4 else ticks
+        first_q8 = draw(st.integers(least_q8, most_q8))
+        adds = st.integers((least_q8 - first_q8) // count + 1, (most_q8 - first_q8) // count)
+        pieces.append(Piece(count, first_q8, draw(adds) if draw(st.booleans()) else 0))
+        ticks -= count
+    return tuple(pieces)
+
+
+@st.composite
+def moves(draw: st.DrawFn, given: Range) -> Block:
+    """A block that moves at least one motor."""
+    most = draw(st.sampled_from([1, 3, 40, 120]))
+    steps = tuple(draw(st.integers(-most, most)) for _ in range(given.motors))
+    if not any(steps):
+        steps = (1, *steps[1:])
+    ticks = max(map(abs, steps))
+    mask = draw(st.sampled_from([0, 0, 0, 1, 2, 3]))
+    jump_q8 = draw(st.integers(16, 255)) << draw(st.integers(8, 12))
+    return Block(
+        steps=steps,
+        pieces=draw(_laws(ticks, given)),
+        accel_q=draw(st.integers(1, 255)) << draw(st.integers(4, 10)),
+        jump_rate_q8=jump_q8 if given.throttled else _ANY_RATE,
+        weight=draw(st.integers(1, 100)),
+        ends_at_rest=draw(st.booleans()),
+        outputs=Outputs(mask, draw(st.integers(0, 3))) if mask else None,
+    )
+
+
+@st.composite
+def queues(draw: st.DrawFn, given: Range) -> list[Block]:
+    """Blocks that fit into the ring together, dwells among them; the last one ends at rest."""
+    waits = st.builds(dwell, st.just(given.motors), st.floats(*given.dwell_s))
+    blocks = draw(st.lists(st.one_of(moves(given), moves(given), waits), min_size=1, max_size=8))
+    return [*blocks[:-1], blocks[-1]._replace(ends_at_rest=True)]
+
+
+def play_both(kind: Kind, blocks: list[Block], exact: bool = True) -> None:
+    """The same queue on core and firmware.
+
+    Args:
+        kind: the card.
+        blocks: the queue.
+        exact: every beat at its cycle; else only the same writes in the same order.
+    """
+    core = Core(kind)
+    core.push(blocks)
+    core.play()
+    device = device_for(kind)
+    device.push(blocks, core.dry)
+    device.start()
+    status = device.stand_still()
+    assert status.ended == c.ENDED_TARGET
+    if exact:
+        assert status.late_ticks == 0
+        compare(core.writes(), device_writes(device))
+    else:
+        wanted = [w[1:] for w in core.writes()]
+        assert [w[1:] for w in device_writes(device)] == wanted
+        assert status.late_ticks <= sum(len(block.pieces) for block in blocks)
+
+
+EXACT_PHASES = Range(3, 9_000)
+EXACT_THROTTLED = Range(3, 12_000, throttled=True)
+FAST_PHASES = Range(3, 1_300, least_ticks=8)
+#: Clock lines fall half an interval after an edge; after a long one little is left for a short one.
+EXACT_CLOCKS = Range(4, 10_000, spread=1.2, dwell_s=(0.0007, 0.0008))
+SLOW_CLOCKS = Range(4, 11_000, spread=1.2, dwell_s=(0.0007, 0.0008))
+
+
+@_SLOW
+@given(blocks=queues(EXACT_PHASES))
+def test_phase_card_to_the_cycle(blocks: list[Block]) -> None:
+    play_both(PHASES, blocks)
+
+
+@_SLOW
+@given(blocks=queues(EXACT_THROTTLED))
+def test_phase_card_entered_on_ramps(blocks: list[Block]) -> None:
+    play_both(PHASES, blocks)
+
+
+@_SLOW
+@given(blocks=queues(FAST_PHASES))
+def test_phase_card_at_high_rates(blocks: list[Block]) -> None:
+    """The first tick of a piece may come late, and is counted then; nothing else changes."""
+    play_both(PHASES, blocks, exact=False)
+
+
+@_SLOW
+@given(blocks=queues(EXACT_CLOCKS))
+def test_paper_drives(blocks: list[Block]) -> None:
+    play_both(clock_kind("paper"), blocks)
+
+
+@_SLOW
+@given(blocks=queues(SLOW_CLOCKS))
+def test_x4step_drives(blocks: list[Block]) -> None:
+    play_both(clock_kind("x4step"), blocks)

@@ -1,0 +1,191 @@
+"""Whole programs on the bridge: commands, serial port, firmware, simulated mill. Time is real here,
+so that only order, counts and sentences are looked at."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from fraese.config import Config
+from fraese.configfile import load
+from tests.bridge.device import reason_to_skip
+from tests.bridge.ptymill import PtyMill
+
+pytestmark = [
+    pytest.mark.skipif(bool(reason_to_skip()), reason=reason_to_skip()),
+    pytest.mark.skipif(sys.platform != "linux", reason="a pty takes the serial port's place"),
+]
+
+#: A small mill: 4 mm of travel are 800 steps.
+SETTINGS = """
+[port]
+kind = "bridge"
+device = "{device}"
+[axes.x]
+travel_mm = 8
+[axes.y]
+travel_mm = 8
+[axes.z]
+travel_mm = 8
+"""
+PATIENCE_S = 60
+
+
+class Stack:
+    """A shell in which commands are given, and a mill beside it."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._config = folder / "fraese.toml"
+        self._config.write_text(SETTINGS.format(device=folder / "ttySIM"))
+        self.mill = PtyMill(folder, self.config)
+        self.device = self.mill.port
+
+    @property
+    def config(self) -> Config:
+        return load(self._config)
+
+    def start(self, *words: str) -> "subprocess.Popen[str]":
+        place = ["--config", str(self._config), "--state", str(self._folder / "state")]
+        return subprocess.Popen(
+            [sys.executable, "-m", "fraese", *words, *place],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+
+    def run(self, *words: str) -> "subprocess.CompletedProcess[str]":
+        process = self.start(*words)
+        out, err = process.communicate(timeout=PATIENCE_S)
+        return subprocess.CompletedProcess(words, process.returncode, out, err)
+
+    def bridge(self, *words: str) -> "subprocess.CompletedProcess[str]":
+        command = [sys.executable, "-m", "fraese", "bridge", *words, "--config", str(self._config)]
+        return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S)
+
+
+@pytest.fixture
+def stack(tmp_path: Path) -> Iterator[Stack]:
+    stack = Stack(tmp_path)
+    with stack.mill:
+        yield stack
+
+
+def until_moving(stack: Stack, beyond_steps: float) -> None:
+    before = stack.mill.carriages_steps()[0]
+    deadline_s = time.monotonic() + PATIENCE_S
+    while abs(stack.mill.carriages_steps()[0] - before) < beyond_steps:
+        assert time.monotonic() < deadline_s, "nothing moves"
+        time.sleep(0.005)
+
+
+def test_homing_and_a_program_end_where_they_should(stack: Stack) -> None:
+    homed = stack.run("home", "--json")
+    assert homed.returncode == 0, homed.stderr
+    assert all(json.loads(homed.stdout)["referenced"].values())
+    zero = stack.mill.carriages_steps()
+    program = stack_file(
+        stack, "G21 G90\nG0 X3 Y2\nG1 X3.5 Y2.5 Z-1 F600\nG2 X3.5 Y2.5 I-1 J0\nG0 X1 Y1\n"
+    )
+    ran = stack.run("run", str(program), "--json")
+    assert ran.returncode == 0, ran.stderr
+    result = json.loads(ran.stdout)
+    assert result["status"] == "done"
+    moved = [b - a for a, b in zip(zero, stack.mill.carriages_steps(), strict=True)]
+    assert moved == [200, 200, -200]
+    assert stack.mill.lost_steps() == (0, 0, 0)
+    assert stack.mill.currents() == {(0, 0)}
+
+
+def stack_file(stack: Stack, text: str) -> Path:
+    path = Path(stack.device).with_name("part.ngc")
+    path.write_text(text)
+    return path
+
+
+def test_an_interrupt_brakes_and_keeps_the_position(stack: Stack) -> None:
+    process = stack.start("move", "X6", "--relative", "--feed", "300", "--json")
+    until_moving(stack, 50)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 130, err
+    result = json.loads(out)
+    assert 0 < result["position_mm"]["x"] < 6
+    assert stack.mill.lost_steps() == (0, 0, 0)
+    assert stack.mill.currents() == {(0, 0)}
+
+
+def test_a_killed_program_leaves_motors_that_brake_and_switch_off(stack: Stack) -> None:
+    process = stack.start("move", "X6", "--relative", "--feed", "120")
+    until_moving(stack, 50)
+    process.kill()
+    process.communicate(timeout=PATIENCE_S)
+    deadline_s = time.monotonic() + PATIENCE_S
+    while stack.mill.currents() != {(0, 0)}:
+        assert time.monotonic() < deadline_s, "the current stays on"
+        time.sleep(0.02)
+
+
+def test_unplugged_in_the_middle_it_says_so_and_where(stack: Stack) -> None:
+    process = stack.start("move", "X6", "--relative", "--feed", "120")
+    until_moving(stack, 50)
+    stack.mill.host.unplug()
+    _, err = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 1
+    assert f"{stack.device} is gone" in err
+    assert "motor 1 " in err
+    assert "Traceback" not in err
+    stack.mill.host.plug_in()
+    again = stack.run("where", "--json")
+    assert again.returncode == 0, again.stderr
+    assert not any(json.loads(again.stdout)["referenced"].values())
+
+
+def test_a_wrong_rate_is_named_and_the_right_one_too(stack: Stack) -> None:
+    said = stack.bridge("info", "--baud", "115200")
+    assert said.returncode == 1
+    assert "speaks 250000 baud, not 115200: write baud = 250000" in said.stderr
+
+
+def test_somebody_else_has_the_port(stack: Stack) -> None:
+    process = stack.start("move", "X3", "--relative", "--feed", "15")
+    until_moving(stack, 20)
+    said = stack.bridge("info")
+    assert said.returncode == 1
+    assert f"{stack.device} is in use by another program" in said.stderr
+    process.send_signal(signal.SIGTERM)
+    assert process.communicate(timeout=PATIENCE_S) is not None
+    assert process.returncode == 130
+
+
+def test_the_bridge_looked_at_and_tried_out(stack: Stack) -> None:
+    facts = json.loads(stack.bridge("info", "--json").stdout)
+    assert (facts["board"], facts["baud"], facts["protocol"]) == ("uno", 250_000, 1)
+    assert facts["queue_bytes"] > 500
+    assert 0 < facts["answer_ms"] <= facts["slowest_ms"]
+    before = stack.mill.carriages_steps()
+    tried = stack.bridge("test", "--json", "--move", "60")
+    checks = {check["name"]: check["ok"] for check in json.loads(tried.stdout)}
+    del checks["answers"]
+    assert set(checks) >= {"greeting", "damage", "inputs", "queue", "motor X", "motor Z"}
+    assert all(checks.values()), tried.stdout
+    assert stack.mill.carriages_steps() == before
+
+
+def test_a_port_that_says_nothing_is_no_bridge(tmp_path: Path) -> None:
+    ours, theirs = os.openpty()
+    config = tmp_path / "fraese.toml"
+    config.write_text(SETTINGS.format(device=os.ttyname(theirs)))
+    command = [sys.executable, "-m", "fraese", "bridge", "info", "--config", str(config)]
+    said = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S)
+    os.close(ours)
+    os.close(theirs)
+    assert said.returncode == 1
+    assert "Nobody answers on /dev/pts/" in said.stderr
+    assert said.stderr.count("\n") == 1
