@@ -91,7 +91,7 @@ def patient(
     return Patient(
         config=config,
         card=CARDS[config.card.kind](config),
-        port=describe(config.port.device, root),
+        port=describe(config.port.parallel_device, root),
         opening=opening or opened(),
         kernel=kernel_facts(PRIORITY, root),
         sleeps=sleeps,
