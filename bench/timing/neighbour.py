@@ -103,9 +103,9 @@ def neighbour(seconds: float) -> Section:
             measured, plain_notes = single.row("plain", "x4step", slice_s, single.NO_RIGHTS)
             plain.append(measured)
     rows = [together("HAL thread, ordinary user", hal)]
-    rows.append(together("X4Step on four axes, rights as granted", ours))
+    rows.append(together("X4Step, rights as granted", ours))
     if plain:
-        rows.append(together("the same, ordinary rights", plain))
+        rows.append(together("X4Step, ordinary rights", plain))
     return Section(
         "neighbour",
         title,

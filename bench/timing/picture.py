@@ -11,7 +11,9 @@ import numpy as np
 from bench.timing.figures import Row, Section
 
 _WIDTH, _HEIGHT = 720, 320
-_LEFT, _RIGHT, _TOP, _BOTTOM = 78, 16, 34, 44
+_LEFT, _RIGHT, _TOP, _BOTTOM = 78, 30, 52, 44
+#: Names of the curves stand side by side above the picture, so far apart.
+_LEGEND = 200
 _COLOURS = ("#1f5fa8", "#c8502d", "#3c8c4a", "#7a4f9a")
 _FROM_US, _TO_US = 1e-2, 1e5
 _LEAST = 1e-6
@@ -37,14 +39,7 @@ def svg(section: Section) -> str:
     for k, row in enumerate(section.rows):
         colour = _COLOURS[k % len(_COLOURS)]
         parts.append(_line(_curve(row), colour, 1.6))
-        parts.append(
-            _text(
-                _WIDTH - _RIGHT - 6,
-                _TOP + 16 + 16 * k,
-                row.name,
-                f'text-anchor="end" fill="{colour}"',
-            )
-        )
+        parts.append(_text(_LEFT + _LEGEND * k, 40, row.name, f'fill="{colour}"'))
     return "\n".join([*parts, "</svg>", ""])
 
 
