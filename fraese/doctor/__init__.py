@@ -6,10 +6,11 @@
 Rule 1: facts and judgement only; who prints is ``fraese/cli/doctor.py``.
 Rule 2: a check is a function in a table. What it judges lies in the ``Patient``, so that it can be
         tried on any patient.
-Rule 3: for the simulated mill nothing is bad: it needs nothing of this.
+Rule 3: for the simulated mill and the bridge the timing is never bad: their steps are timed by
+        somebody else.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -19,7 +20,7 @@ from fraese.config import Config
 from fraese.doctor import timing
 from fraese.doctor.findings import Finding, Patient, State, ask
 from fraese.doctor.kernel import KERNEL_CHECKS
-from fraese.doctor.opening import Opening, try_port
+from fraese.doctor.opening import Opening, try_board, try_port
 from fraese.doctor.port import PORT_CHECKS
 from fraese.doctor.timing import Say, Timing
 from fraese.drivers import PORTS, realtime_options
@@ -31,8 +32,8 @@ from fraese.motor.realtime.setup import SLEEP_GAP_S, Setup
 from fraese.motor.realtime.system import PRIORITY
 from fraese.motor.seams import Card
 
-#: The worst that a finding may be, by kind of port.
-_WORST: Final = {"simulation": State.WARN}
+#: The worst that the timing may be, by kind of port.
+_WORST_TIMING: Final = {"simulation": State.WARN, "bridge": State.WARN}
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,11 +80,11 @@ def examine(
     duty = timing.duty_of(card, realtime_options(config))
     cores = max(1, len(patient.kernel.cores))
     taken = timing.take(duty, timing.limit_hz(config), seconds, cores, load, say)
-    findings += timing.judge(taken)
-    worst = _WORST.get(config.port.kind, State.BAD)
+    worst = _WORST_TIMING.get(config.port.kind, State.BAD)
+    findings += (_no_worse(finding, worst) for finding in timing.judge(taken))
     return Diagnosis(
         config.port.kind,
-        tuple(_no_worse(finding, worst) for finding in findings),
+        tuple(findings),
         taken,
         tuple(timing.advice(taken, patient.kernel)),
     )
@@ -98,7 +99,7 @@ def admit(config: Config, card: Card, root: Path = Path("/")) -> Patient:
     return Patient(
         config=config,
         card=card,
-        port=describe(config.port.device, root),
+        port=describe(config.port.parallel_device, root),
         opening=_OPENINGS.get(config.port.kind, _really)(config, card),
         kernel=kernel_facts(PRIORITY, root),
         sleeps=Setup(NullPort, card, options=options).gap_s() >= SLEEP_GAP_S,
@@ -115,8 +116,15 @@ def _nothing(_config: Config, _card: Card) -> Opening:
     return Opening()
 
 
-#: Where there is nothing to open.
-_OPENINGS: Final[dict[str, Callable[[Config, Card], Opening]]] = {"simulation": _nothing}
+def _board(config: Config, _card: Card) -> Opening:
+    return try_board(config.port.device, config.port.baud)
+
+
+#: How to try what is not a parallel port.
+_OPENINGS: Final[Mapping[str, Callable[[Config, Card], Opening]]] = {
+    "simulation": _nothing,
+    "bridge": _board,
+}
 
 
 def _no_worse(finding: Finding, worst: State) -> Finding:

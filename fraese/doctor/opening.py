@@ -46,3 +46,20 @@ def try_port(open_port: Callable[[], Port], card: Card) -> Opening:
         return Opening(error=str(error))
     last = dict(port.writes())
     return Opening(lines=lines, pins=output_pins(last.get(DATA, 0), last.get(CONTROL, 0)))
+
+
+def try_board(device: str, baud: int) -> Opening:
+    """Open the serial line of the bridge, and close it again; most boards start anew with that.
+
+    Args:
+        device: of the line; empty: of the only board that looks like one.
+        baud: its rate.
+    """
+    # Nobody else needs pyserial.
+    from fraese.motor.bridge.line import SerialLine, only_candidate, serial_ports
+
+    try:
+        SerialLine(device or only_candidate(serial_ports()), baud).close()
+    except PortError as error:
+        return Opening(error=str(error))
+    return Opening()

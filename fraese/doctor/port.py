@@ -2,6 +2,7 @@
 
     kind         looked at from outside                     opened
     simulation   nothing                                    no
+    bridge       nothing                                    its serial line
     ppdev        device file, permission, lp                claimed alone
     devport      /dev/port, permission, lockdown, ppdev     locked
 
@@ -27,7 +28,18 @@ def _simulated(_: Patient) -> Finding:
         "port",
         State.OK,
         "The simulated mill: it needs no port, and nothing of what follows; its time is its own."
-        " What follows holds for this machine with a parallel port.",
+        " What follows holds for this computer with a parallel port.",
+    )
+
+
+def _board(patient: Patient) -> Finding:
+    if patient.opening.error:
+        return Finding("bridge", State.BAD, patient.opening.error)
+    return Finding(
+        "bridge",
+        State.OK,
+        "Its serial line opens; fraese bridge info asks it who it is. The microcontroller times the"
+        " steps by itself: what follows holds for this computer with a parallel port.",
     )
 
 
@@ -159,6 +171,7 @@ def _levels(pins: Iterable[tuple[int, bool]]) -> str:
 
 PORT_CHECKS: Final[Mapping[str, Sequence[Check]]] = {
     "simulation": (_simulated,),
+    "bridge": (_board,),
     "ppdev": (
         _parport, _may_use_parport, _printer_driver, _lockdown_of_ppdev, _opened, _inputs, _outputs,
     ),

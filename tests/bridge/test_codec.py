@@ -44,8 +44,10 @@ def pieces(draw: st.DrawFn, ticks: int) -> tuple[Piece, ...]:
         goes_on = out[-1].interval_q8 + out[-1].ticks * out[-1].add_q8 if out else 300_000
         near = min(0xFFFF_FFFF, max(256, goes_on + draw(st.integers(-300, 300))))
         interval_q8 = draw(st.one_of(st.just(near), st.integers(256, 0xFFFF_FFFF)))
-        room = (interval_q8 - 256) // count
-        add_q8 = draw(st.integers(-room, (0xFFFF_FFFF - interval_q8) // count))
+        # What an interval changes by has 32 bits with sign.
+        down = min((interval_q8 - 256) // count, 0x7FFF_FFFF)
+        up = min((0xFFFF_FFFF - interval_q8) // count, 0x7FFF_FFFF)
+        add_q8 = draw(st.integers(-down, up))
         out.append(Piece(count, interval_q8, draw(st.sampled_from([0, add_q8]))))
         ticks -= count
     return tuple(out)

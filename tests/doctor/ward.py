@@ -64,6 +64,7 @@ def sound_machine(root: Path) -> Path:
     put(root, "sys/kernel/security/lockdown", "[none] integrity confidentiality\n")
     put(root, "sys/power/state", "freeze mem disk\n")
     put(root, "run/systemd/seats/seat0")
+    put(root, "run/dbus/system_bus_socket")
     for device in ("parport0", "port", "cpu_dma_latency"):
         put(root, f"dev/{device}")
     return root
@@ -90,7 +91,7 @@ def patient(
     return Patient(
         config=config,
         card=CARDS[config.card.kind](config),
-        port=describe(config.port.device, root),
+        port=describe(config.port.parallel_device, root),
         opening=opening or opened(),
         kernel=kernel_facts(PRIORITY, root),
         sleeps=sleeps,

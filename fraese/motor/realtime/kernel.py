@@ -23,8 +23,8 @@ _CAP_IPC_LOCK: Final = 14
 _CAP_SYS_NICE: Final = 23
 #: ``ulimit -e`` counts from nice 19 downwards.
 _NICEST: Final = 20
-#: Files that only ``logind`` brings; it is what can keep a machine from sleeping.
-_LOGIND: Final = "run/systemd/seats"
+#: What there is where ``logind`` runs and can be asked; it sends machines to sleep.
+_LOGIND: Final = ("run/systemd/seats", "run/dbus/system_bus_socket")
 _UNLIMITED: Final = 1 << 62
 
 
@@ -128,7 +128,7 @@ def kernel_facts(priority: int, root: Path = _ROOT) -> KernelFacts:
             re.search(r"^flags\s*:.*\bhypervisor\b", _text(root / "proc/cpuinfo"), re.M)
         ),
         device_interrupts=_device_interrupts(root),
-        has_logind=(root / _LOGIND).exists(),
+        has_logind=all((root / path).exists() for path in _LOGIND),
         can_sleep=bool(_text(root / "sys/power/state")),
     )
 
