@@ -289,7 +289,7 @@ class RealtimeConfig(Section):
         None, ge=0, description="Processor that it stays on; without one, the last of several."
     )
     silent_s: float = Field(
-        1,
+        2,
         ge=0.2,
         le=60,
         description=(

@@ -8,6 +8,7 @@ Rule 3: a question of the program is asked where a person sits at a terminal. El
 """
 
 import json
+import select
 import shutil
 import signal
 import sys
@@ -53,6 +54,7 @@ class Session:
         self._from_ns = plant.clock.now_ns()
         self._blocks = 0
         self._told = ""
+        self._asked = ""
         self._may_raise = True
         self._controller.set_show_pos(self._progress)
         self._controller.set_break_key(self._answer)
@@ -145,23 +147,39 @@ class Session:
         note(message)
 
     def _answer(self) -> None:
+        """Ask once; then look for the answer between two rounds of the run loop.
+
+        A program that waits in a read would be taken for hung by what drives the motors.
+        """
         question = self._controller.question
         if not question:
             return
-        self._end_progress()
-        if sys.stdin.isatty():
-            note(f"{question} [Enter] ", end="")
-            try:
-                self._may_raise = True
+        at_terminal = sys.stdin.isatty()
+        if question != self._asked:
+            self._asked = question
+            self._end_progress()
+            note(
+                f"{question} [Enter] " if at_terminal else f"{question} (no terminal: going on)",
+                end="" if at_terminal else "\n",
+            )
+        if at_terminal and not _line_waits():
+            return
+        self._asked = ""
+        try:
+            if at_terminal:
                 input()
-            except (EOFError, KeyboardInterrupt):
-                self._controller.cancel()
-                return
-            finally:
-                self._may_raise = False
+        except EOFError:
+            self._controller.cancel()
         else:
-            note(f"{question} (no terminal: going on)")
-        self._controller.answer()
+            self._controller.answer()
+
+
+def _line_waits() -> bool:
+    """A line was typed; waits a moment for one. Where that cannot be seen: True."""
+    try:
+        return bool(select.select([sys.stdin], [], [], _LOOK_EVERY_S)[0])
+    except (OSError, ValueError):
+        return True
 
 
 def watch_switches(controller: Controller, *, as_json: bool) -> int:

@@ -295,12 +295,15 @@ class TestHost:
         room.play(line(100))
         assert room.until(1.6).position_steps[0] == where[0] + 100
 
-    def test_silence_at_standstill_is_none(self) -> None:
+    def test_silence_under_current_at_standstill_switches_off_too(self) -> None:
         room = Room(silent_s=0.4)
         room.play(line(300))
         room.at(0.3, room.fall_silent)
+        seen = seen_at(room, 0.6, lambda: room.report)
         report = room.until(2.0)
-        assert (report.ended, report.energised) == (Ended.TARGET, True)
+        assert (seen[0].ended, seen[0].energised) == (Ended.TARGET, True)
+        assert (report.ended, report.energised) == (Ended.SILENCE, False)
+        assert report.position_steps == (300, 0, 0)
 
     def test_a_dead_host_brakes_the_motors_and_the_child_leaves(self) -> None:
         room = Room()

@@ -9,7 +9,8 @@ Rule 2: a question is answered when all that was asked for before it has been ta
         have been acted on, so a report after it says so.
 Rule 3: a block whose maker did not know that the run had ended is dropped, as the rest of its queue
         was. Nothing is taken from the ring while a run is ending.
-Rule 4: a host that is dead or silent while the motors run: brake. The player does the rest.
+Rule 4: a host that is dead or silent while the motors run: brake. The player does the rest. Silent
+        while they stand under full current, in the middle of a job: off, too.
 """
 
 from collections.abc import Callable, Iterator
@@ -51,7 +52,7 @@ _HOST_NS: Final = 10_000_000
 #: Braking for a lost host takes no longer, ns: then it is stopped.
 _BRAKE_LIMIT_NS: Final = 5_000_000_000
 _NS_PER_S: Final = 1_000_000_000
-_OUTPUT_BITS: Final = 0xFFFF_FFFF
+ALL_OUTPUTS: Final = 0xFFFF_FFFF
 _NEVER: Final = -1
 
 
@@ -250,7 +251,7 @@ class Chores:
             case mailbox.RESUME:
                 core.resume()
             case mailbox.OUTPUTS:
-                core.set_outputs(a & _OUTPUT_BITS, b & _OUTPUT_BITS)
+                core.set_outputs(a & ALL_OUTPUTS, b & ALL_OUTPUTS)
             case mailbox.SWITCH_MODE:
                 core.set_switch_mode(mailbox.SWITCH_MODES[a])
             case mailbox.FLUSH:
@@ -268,9 +269,11 @@ class Chores:
         if self._host.look():
             self.leave()
         moves = not self._run.standing
-        if moves and not self.silent and now_ns > self._words[HEARTBEAT] + self._silent_ns:
+        live = moves or self._run.wires.energised
+        if live and not self.silent and now_ns > self._words[HEARTBEAT] + self._silent_ns:
             self.silent = True
-            self.brake()
+            if moves:
+                self.brake()
         if moves and self._braking_since_ns:
             if now_ns > self._braking_since_ns + _BRAKE_LIMIT_NS:
                 self._stop()

@@ -14,7 +14,7 @@ Rule 3: what ended otherwise than at its target makes a new generation: blocks t
 from typing import Final
 
 from fraese.motor.core import MotorCore
-from fraese.motor.realtime.chores import Chores
+from fraese.motor.realtime.chores import ALL_OUTPUTS, Chores
 from fraese.motor.realtime.clock import Interrupted
 from fraese.motor.realtime.hostline import HostLine
 from fraese.motor.realtime.memory import ASKED, COMMAND, DOZING, RING_HEAD, WISHES
@@ -107,10 +107,11 @@ class Player:
         return self._polled
 
     def _finish_silence(self) -> None:
-        """The host was silent: nothing more is played, and the motors are off."""
+        """The host was silent: nothing more is played, motors and outputs are off."""
         if self._chores.silent:
             self._chores.silent = False
             self._run.finish(Ended.SILENCE)
+            self._core.set_outputs(ALL_OUTPUTS, 0)
             self._core.idle(IdleLevel.OFF)
             self._chores.reporter.generation += 1
 
