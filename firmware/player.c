@@ -502,6 +502,11 @@ static void tick_done(void)
 
 #define TIMER_SET 0xFF
 
+void player_cut(void)
+{
+    TIMSK1 = 0;
+}
+
 static uint8_t or_stop(bool goes_on)
 {
     if (!goes_on)

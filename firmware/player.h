@@ -67,6 +67,8 @@ extern struct player player;
 
 /* Time begins now; plays what is prepared. The timer was stopped. */
 void player_start(void);
+/* No further beat, not even of the tick in hand. Main loop. */
+void player_cut(void);
 /* What was owed is there: go on after STARVED. */
 void player_continue(void);
 /* The motors stand: nothing is known of the last interval any more. */

@@ -244,6 +244,7 @@ void run_forget(void)
 
 void run_close(void)
 {
+    player_cut();
     finish(ENDED_STOP);
     card_set_outputs(0x0F, 0);
     card_idle(false);
@@ -257,6 +258,7 @@ static bool is_silent(void)
 static void end_in_silence(void)
 {
     finish(ENDED_SILENCE);
+    card_set_outputs(0x0F, 0);
     card_idle(false);
     run.life = run.now;
 }

@@ -75,6 +75,21 @@ def test_a_silent_host_while_moving() -> None:
     assert status.last == 2
 
 
+def test_goodbye_while_moving_switches_off_at_once() -> None:
+    device = device_for(PHASES)
+    device.push([LINE, LINE])
+    device.start()
+    device.run(60 * MS)
+    assert device.ask().state & c.State.MOVING
+    assert device.command(c.KIND_CLOSE) == 0
+    device.run(5 * MS)
+    assert latched(device)[-3:] == OFF
+    written = len(device_writes(device))
+    device.run(300 * MS)
+    assert len(device_writes(device)) == written
+    assert not device.ask().state & (c.State.MOVING | c.State.ENERGISED)
+
+
 def test_what_is_refused() -> None:
     device = Device()
     assert device.command(c.KIND_START, b"\0") == c.REFUSED_NO_CARD
