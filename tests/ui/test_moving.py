@@ -323,7 +323,7 @@ def test_ignored_switches_are_shown_loudly() -> None:
 
 def test_nothing_jogs_while_a_program_runs_or_a_page_is_open() -> None:
     async def scene() -> None:
-        program = FakeProgram([f"G1 X{n % 2}" for n in range(40)])
+        program = FakeProgram([f"G1 X{n % 2}" for n in range(400)])
         async with bench(clock="paced", open_program=lambda path: program) as b:
             await b.press("question_mark")
             assert isinstance(b.app.screen, HelpScreen)
