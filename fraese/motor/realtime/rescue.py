@@ -7,6 +7,8 @@ from typing import Final
 from fraese.errors import PortError
 from fraese.motor.seams import CONTROL, DATA, Card, IdleLevel, Port
 
+#: The child may have died with the strobe set: then the first byte has no edge and is not latched.
+_TIMES: Final = 2
 #: A port that was a dead process's a moment ago may be busy still, s.
 PATIENCE_S: Final = 0.08
 _RETRY_S: Final = 0.002
@@ -26,7 +28,7 @@ def switch_off(open_port: Callable[[], Port], card: Card, patience_s: float = PA
     port = _reopened(open_port, patience_s)
     access = {DATA: port.write_data, CONTROL: port.write_control}
     try:
-        for register, value in (*card.set_outputs(~0, 0), *card.idle(IdleLevel.OFF)):
+        for register, value in (*card.set_outputs(~0, 0), *card.idle(IdleLevel.OFF)) * _TIMES:
             access[register](value)
     finally:
         port.close()
