@@ -22,7 +22,12 @@ from fraese.planner.lines import plan_line
 from fraese.ui import FraeseApp
 from fraese.ui.fact import Fact
 
-_PATIENCE_S = 10.0
+#: How long a test waits for what must come. Only a failing test takes so long, or a machine that is
+#: busy with something else.
+_PATIENCE_S = 60.0
+#: X is so long that no move on it ends by itself while a test is still pressing keys.
+_LONG_MM = 30_000
+LONG = Config.model_validate({"axes": {"x": {"travel_mm": _LONG_MM}}})
 
 
 @dataclass(frozen=True)
@@ -102,8 +107,8 @@ class Bench:
         await self.wait(lambda: not self.app.busy and self.app.machine_state == controller.state())
         await self.pilot.pause()
 
-    async def long_move(self, mm: float = 120.0) -> None:
-        """X sets out on a way of seconds, fast enough to need a ramp."""
+    async def long_move(self, mm: float = 0.8 * _LONG_MM) -> None:
+        """X sets out on a way of twenty minutes, or a shorter one, and has reached its speed."""
         self.app.order(lambda: self.plant.controller.move_to({"x": mm}))
         await self.wait(lambda: self.plant.controller.state().speed_mm_min > 1100)
 
@@ -128,8 +133,8 @@ async def bench(
     config: Config | None = None,
     **options: Any,
 ) -> AsyncIterator[Bench]:
-    """The app in a terminal of this size."""
-    plant = assemble(config or Config(), clock=clock)
+    """The app in a terminal of this size. Where a second is a second, X is very long."""
+    plant = assemble(config or (LONG if clock == "paced" else Config()), clock=clock)
     options.setdefault("open_program", open_nothing)
     app = FraeseApp(plant.controller, machine_name="simulated mill", **options)
     async with app.run_test(size=size) as pilot:
