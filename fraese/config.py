@@ -286,7 +286,9 @@ class RealtimeConfig(Section):
     """The process that makes the steps on a parallel port."""
 
     core: int | None = Field(
-        None, ge=0, description="Processor that it stays on; without one, the last of several."
+        None,
+        ge=0,
+        description="Processor that it stays on; without one, the one that is disturbed least.",
     )
     silent_s: float = Field(
         2,

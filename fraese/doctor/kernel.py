@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from fraese.doctor.findings import Check, Finding, Patient, State
+from fraese.motor.realtime.cores import core_for_steps, quietest_core
 from fraese.motor.realtime.kernel import KernelFacts
 
 _NICE_WANTED: Final = -20
@@ -21,10 +22,6 @@ _LIMITS: Final = "/etc/security/limits.d/fraese.conf"
 #: A clock that needs a bus cycle costs a microsecond a look, and the loop looks all the time.
 _FAST_CLOCKS: Final = ("tsc", "kvm-clock", "arch_sys_counter", "hyperv_clocksource_tsc_page")
 _FAST_GOVERNORS: Final = frozenset({"performance"})
-#: From so many times as many interrupts on, another core would be quieter.
-_BUSY_FACTOR: Final = 4
-#: Fewer in all are no disturbance.
-_FEW_INTERRUPTS: Final = 10_000
 
 
 def _limits(item: str, value: str) -> str:
@@ -113,9 +110,10 @@ def _autogroup(patient: Patient) -> Finding:
 
 
 def _cores(patient: Patient) -> Finding:
-    kernel, mine = patient.kernel, _core_of_steps(patient)
+    kernel = patient.kernel
+    mine = core_for_steps(patient.config.realtime.core, kernel)
     usable = sorted({*kernel.cores, *kernel.isolated})
-    quietest, served = _quietest(kernel), kernel.device_interrupts
+    quietest, served = quietest_core(kernel), kernel.device_interrupts
     if len(usable) < 2:
         return Finding(
             "cores",
@@ -153,25 +151,6 @@ def _isolated(kernel: KernelFacts, mine: int) -> Finding:
         f"Core {free} is kept free of all else, but the steps are made on core {mine}.",
         f"realtime.core = {free}",
     )
-
-
-def _core_of_steps(patient: Patient) -> int:
-    """As the step process chooses it: the last one, if none is named."""
-    named, cores = patient.config.realtime.core, patient.kernel.cores
-    return max(cores, default=0) if named is None else named
-
-
-def _quietest(kernel: KernelFacts) -> int | None:
-    """A core with far fewer interrupts than the busiest, if there is a great difference."""
-    counts = kernel.device_interrupts
-    known = [core for core in kernel.cores if core < len(counts)]
-    if len(known) < 2:
-        return None
-    quiet = min(known, key=lambda core: counts[core])
-    busiest = max(counts[core] for core in known)
-    if busiest < max(_FEW_INTERRUPTS, _BUSY_FACTOR * counts[quiet]):
-        return None
-    return quiet
 
 
 def _governor(patient: Patient) -> Finding:

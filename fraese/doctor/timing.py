@@ -206,8 +206,8 @@ def advice(timing: Timing, kernel: KernelFacts) -> list[str]:
         core = kernel.cores[-1] if kernel.cores else 0
         sentences.append(
             "The longest delay is longer than a step: keep everything else off one core with"
-            f" isolcpus={core} nohz_full={core} on the kernel's command line, and realtime.core ="
-            f" {core}."
+            f" isolcpus={core} nohz_full={core} on the kernel's command line; the steps are made"
+            " there from then on."
         )
     busy = [run for run in timing.runs if run.name == "busy" and not run.holds]
     if timing.runs[0].holds and busy:

@@ -6,6 +6,7 @@ Rule 2: a thread waits for its death. Unless it left in order, the port is opene
         the motors are switched off; only then anybody is told.
 Rule 3: the shared memory is given back when nobody holds it any more: ``brake`` may come late, from
         any thread.
+Rule 4: while it lives, the threads of this process leave its core to it.
 """
 
 import contextlib
@@ -20,6 +21,7 @@ from typing import Final
 
 from fraese.errors import FraeseError, PortError
 from fraese.motor.realtime import memory as shared
+from fraese.motor.realtime.cores import KeptOff
 from fraese.motor.realtime.hostline import message
 from fraese.motor.realtime.memory import DOZING, STAGE, Memory
 from fraese.motor.realtime.rescue import switch_off
@@ -84,6 +86,7 @@ class ChildProcess:
         self._leaves = False
         self.death: Death | None = None
         self._buried = threading.Event()
+        self._kept_off = KeptOff()
         samples = setup.meter.samples if setup.meter else 0
         fd = shared.create(samples)
         try:
@@ -100,6 +103,7 @@ class ChildProcess:
         threading.Thread(target=self._watch, name="step process", daemon=True).start()
         self._hand_over(setup)
         self.notes = self._wait_until_ready()
+        self._kept_off.leave_to(self.pid)
 
     @property
     def pid(self) -> int:
@@ -179,6 +183,7 @@ class ChildProcess:
         """In a thread of its own: waits for the end."""
         self._code = code = self._process.wait()
         ended_ns = time.monotonic_ns()
+        self._kept_off.come_back()
         try:
             self.death = self._judge(code, ended_ns)
         except BaseException as error:

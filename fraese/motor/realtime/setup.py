@@ -32,7 +32,7 @@ class RealtimeOptions:
 
     Attributes:
         top_rate_hz: the highest step rate of any axis: does it leave time to sleep?
-        core: the processor to stay on; None: the last one, if there are several.
+        core: the processor to stay on; None: the one that ``cores.core_for_steps`` chooses.
         silent_s: so long may the host call no driver method while the motors run.
         pump: an output that shows that the loop lives.
     """

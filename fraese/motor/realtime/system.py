@@ -20,6 +20,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
+from fraese.motor.realtime.cores import core_for_steps
+from fraese.motor.realtime.kernel import kernel_facts
 from fraese.motor.realtime.setup import SLEEP_GAP_S, Setup
 
 PRIORITY: Final = 50
@@ -60,11 +62,9 @@ def rt_is_unlimited() -> bool:
 
 
 def _stay_on_one_core(setup: Setup) -> str:
-    cores = sorted(os.sched_getaffinity(0))
-    wanted = setup.options.core
-    if wanted is None and len(cores) < 2:
+    core = core_for_steps(setup.options.core, kernel_facts(PRIORITY))
+    if core is None:
         return "one core only: the steps share it with everything else"
-    core = cores[-1] if wanted is None else wanted
     try:
         os.sched_setaffinity(0, {core})
     except OSError as error:
