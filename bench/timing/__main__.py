@@ -1,6 +1,6 @@
 """How late the steps are: the step process on a port that leads nowhere, and beside others.
 
-``python -m bench.timing`` prints tables; ``--all`` measures everything at full length, some six
+``python -m bench.timing`` prints tables; ``--all`` measures everything at full length, some eight
 minutes, and writes the page docs/timing.md anew with its pictures. Let the machine do nothing else
 meanwhile.
 """
@@ -24,7 +24,7 @@ SECTIONS: dict[str, tuple[Callable[[float], Section], float]] = {
     "smc": (steps.phase_card, 20.0),
     "x4step": (steps.x4step, 60.0),
     "paper": (steps.paper, 8.0),
-    "app": (paired.paired, 40.0),
+    "app": (paired.paired, 60.0),
     "neighbour": (neighbour.neighbour, 20.0),
     "contact": (contact.contact, 40.0),
 }

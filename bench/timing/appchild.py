@@ -25,9 +25,16 @@ from fraese.ui import FraeseApp
 RATE_HZ = 5000
 _STROBE = 0x01
 _LOOK_S = 0.05
-#: Long enough for any measurement: forth and back, all axes at their highest rate.
-PROGRAM = "G90\n" + "G0 X100 Y100 Z100\nG0 X0 Y0 Z0\n" * 40 + "M2\n"
-_AXIS = {"max_rate_hz": RATE_HZ, "acceleration_hz_s": 40_000, "travel_mm": 300}
+_TRAVEL_MM = 30_000
+#: All axes at their highest rate for a quarter of an hour, without a ramp: what is measured without
+#: the app has none either.
+PROGRAM = f"G90\nG0 X{_TRAVEL_MM * 0.8:g} Y{_TRAVEL_MM * 0.8:g} Z{_TRAVEL_MM * 0.8:g}\nM2\n"
+_AXIS = {
+    "start_rate_hz": RATE_HZ,
+    "max_rate_hz": RATE_HZ,
+    "acceleration_hz_s": 40_000,
+    "travel_mm": _TRAVEL_MM,
+}
 CONFIG = {
     "port": {"kind": "ppdev"},
     "axes": dict.fromkeys("xyz", _AXIS),

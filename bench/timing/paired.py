@@ -1,11 +1,12 @@
 """With the app, and without: does the display delay a step?
 
-    slice   with | without | with | without | ...       each some seconds, in the same minutes
+    slices   with, without | without, with | with, without | ...    in the same minutes
 
 Rule 1: in both, a hog keeps the other cores busy, and the step process does the same: 5 kHz on
         three axes, nine writes and three readings every 200 us.
 Rule 2: the app runs in a terminal of its own that is read as fast as it draws, and redraws at its
         full rate while the motors move.
+Rule 3: what counts is the difference within a pair: the machine is another one a minute later.
 """
 
 import contextlib
@@ -28,7 +29,7 @@ from bench.timing.single import row
 from fraese.motor.realtime.measure import hogs
 from fraese.motor.realtime.spawn import command, environment
 
-_SLICES = 8
+_SLICES = 10
 _ROWS, _COLUMNS = 40, 120
 _PATIENCE_S = 60.0
 _START_KEY = b"s"
@@ -113,21 +114,39 @@ def paired(seconds: float) -> Section:
     """Alternate slices of so many seconds in all, each kind."""
     slice_s = max(2.0, seconds / _SLICES)
     with_app, without, drawn = [], [], []
+
+    def app() -> None:
+        measured, bytes_s = _with_app(slice_s)
+        with_app.append(measured)
+        drawn.append(bytes_s)
+
+    def alone() -> None:
+        without.append(row("without", "smc", slice_s)[0])
+
     with _others_busy():
-        for _ in range(_SLICES):
-            measured, bytes_s = _with_app(slice_s)
-            with_app.append(measured)
-            drawn.append(bytes_s)
-            without.append(row("without", "smc", slice_s)[0])
+        for number in range(_SLICES):
+            for measure in (app, alone) if number % 2 == 0 else (alone, app):
+                measure()
     rows = [together("with the app", with_app), together("without it", without)]
-    a, b = (each.percentiles_us() for each in rows)
     said = [
-        f"The app drew {np.mean(drawn) / 1000:.1f} kB a second meanwhile. With the app minus"
-        f" without: median {a[0] - b[0]:+.2f} us, p99.9 {a[2] - b[2]:+.2f} us.",
-        f"Slice by slice p99.9 was {_span(with_app)} with the app, {_span(without)} without it:"
-        " that is the noise of this machine.",
+        f"The app drew {np.mean(drawn) / 1000:.1f} kB a second meanwhile.",
+        f"With the app minus without, mean of {_SLICES} pairs and its standard error: median"
+        f" {_difference(with_app, without, 0)}, p99.9 {_difference(with_app, without, 2)}.",
+        f"Slice by slice p99.9 was {_span(with_app)} with the app, {_span(without)} without it.",
     ]
     return Section("app", "With the app, and without it", rows, said)
+
+
+def _difference(with_app: list[Row], without: list[Row], percentile: int) -> str:
+    """Within the pairs."""
+    apart = [
+        a.percentiles_us()[percentile] - b.percentiles_us()[percentile]
+        for a, b in zip(with_app, without, strict=True)
+    ]
+    error = np.std(apart, ddof=1) / len(apart) ** 0.5
+    return (
+        f"{np.mean(apart):+.2f} +- {error:.2f} us ({sum(each > 0 for each in apart)} times worse)"
+    )
 
 
 def _span(rows: list[Row]) -> str:
