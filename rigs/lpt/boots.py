@@ -58,6 +58,8 @@ BOOTS: Final[Mapping[str, Boot]] = {
             "no driver",
             "drivers loaded anew",
             "permissions",
+            "looked over, ppdev",
+            "looked over, devport",
         )
     ),
     "locked down": Boot(("lockdown", "locked job, smc on ppdev"), append="lockdown=integrity"),

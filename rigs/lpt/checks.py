@@ -204,6 +204,18 @@ def permissions(outcome: Outcome) -> None:
     assert "is for root with the right CAP_SYS_RAWIO only" in said["no right"]
 
 
+def looked_over(outcome: Outcome) -> None:
+    """What the doctor finds there is so, and the motors are off when it has been there."""
+    found = outcome.said
+    assert [name for name, (state, *_) in found.items() if state == "bad"] == []
+    assert "is there (" in found["device"][1]
+    assert "given back, with motors and outputs off" in found["claim"][1]
+    assert "no end switch is pressed" in found["inputs"][1]
+    assert "Left with motors off" in found["outputs"][1]
+    assert found["hypervisor"]
+    check_motors_off(outcome.writes())
+
+
 def lockdown(outcome: Outcome) -> None:
     """/dev/port is refused, and the sentence says why and what to take instead."""
     assert outcome.said["facts"]["lockdown"] == "integrity"
@@ -238,6 +250,7 @@ CHECKS: Final[Mapping[str, Callable[[Outcome], None]]] = {
     "no driver": no_driver,
     "drivers loaded anew": drivers_anew,
     "permissions": permissions,
+    **{f"looked over, {kind}": looked_over for kind in ("ppdev", "devport")},
     "lockdown": lockdown,
     "locked job, smc on ppdev": partial(job_without_marks, "smc"),
 }

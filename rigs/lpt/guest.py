@@ -212,6 +212,23 @@ def lockdown() -> Said:
     return {"facts": asdict(facts.describe()), "devport": refusal("devport")}
 
 
+def looked_over(kind: str) -> Said:
+    """The doctor looks at port and kernel; how late steps are cannot be told under emulation."""
+    from fraese.cardmaker import CARDS
+    from fraese.configfile import from_table
+    from fraese.doctor import admit
+    from fraese.doctor.findings import ask
+    from fraese.doctor.kernel import KERNEL_CHECKS
+    from fraese.doctor.port import PORT_CHECKS
+
+    config = from_table({"port": {"kind": kind}}, "guest")
+    patient = admit(config, CARDS[config.card.kind](config))
+    return {
+        finding.name: (finding.state.value, finding.found, finding.change)
+        for finding in ask((*PORT_CHECKS[kind], *KERNEL_CHECKS), patient)
+    }
+
+
 SCENARIOS: Final[Mapping[str, Callable[[], Said]]] = {
     **{
         f"job, {wiring} on {kind}": partial(job, wiring, kind)
@@ -241,6 +258,7 @@ SCENARIOS: Final[Mapping[str, Callable[[], Said]]] = {
     "no driver": no_driver,
     "drivers loaded anew": drivers_anew,
     "permissions": permissions,
+    **{f"looked over, {kind}": partial(looked_over, kind) for kind in PORTS},
     "lockdown": lockdown,
     "locked job, smc on ppdev": partial(job, "smc", "ppdev"),
 }
