@@ -12,11 +12,11 @@ Rule 4: giving the port back changes no pin. Motors are switched off before, by 
 
 import errno
 import os
-from contextlib import suppress
 from typing import Final
 
 from fraese.errors import PortError
 from fraese.motor.ports import facts
+from fraese.motor.ports.held import HeldFile
 from fraese.motor.seams import CONTROL, STATUS
 
 try:
@@ -32,11 +32,8 @@ _NOTHING_THERE: Final = b"\xff\xff\xff"
 
 _BYTES: Final = tuple(bytes((value,)) for value in range(256))
 
-#: A descriptor that is none: every call with it is refused.
-_CLOSED: Final = 1 << 30
 
-
-class DevPort:
+class DevPort(HeldFile):
     """A Port at an I/O address.
 
     Args:
@@ -50,7 +47,7 @@ class DevPort:
         self._data = base
         self._status = base + STATUS
         self._control = base + CONTROL
-        self._fd = _open(base)
+        super().__init__(f"The port at {base:#x}", _open(base))
         try:
             kept = _look(self._fd, base) & _KEPT_CONTROL
         except PortError:
@@ -90,23 +87,6 @@ class DevPort:
             return os.pread(self._fd, 1, self._status)[0]
         except OSError as error:
             raise self._gone(error) from error
-
-    def close(self) -> None:
-        """Close. What is on the pins stays there. Safe to call twice."""
-        fd, self._fd = self._fd, _CLOSED
-        if fd != _CLOSED:
-            # Linux has closed it even where it complains.
-            with suppress(OSError):
-                os.close(fd)
-
-    def _gone(self, error: OSError) -> PortError:
-        if self._fd == _CLOSED:
-            return PortError(f"The port at {self._data:#x} is used after it was given back.")
-        return PortError(
-            f"The port at {self._data:#x} does not answer any more:"
-            f" {os.strerror(error.errno or 0)}; position and motor currents are unknown, switch"
-            " the motors' supply off."
-        )
 
 
 def _open(base: int) -> int:

@@ -14,11 +14,11 @@ Rule 4: an access costs little more than the system call. Its argument lies read
 
 import errno
 import os
-from contextlib import suppress
 from typing import Final
 
 from fraese.errors import PortError
 from fraese.motor.ports import facts
+from fraese.motor.ports.held import HeldFile
 
 try:
     from fcntl import ioctl
@@ -37,11 +37,8 @@ _CONTROL_MASK: Final = 0x0F
 _DATA_ARGUMENTS: Final = tuple(bytearray((value,)) for value in range(256))
 _CONTROL_ARGUMENTS: Final = tuple(bytearray((_CONTROL_MASK, value)) for value in range(16))
 
-#: A descriptor that is none: every call with it is refused.
-_CLOSED: Final = 1 << 30
 
-
-class PpdevPort:
+class PpdevPort(HeldFile):
     """A Port on a ppdev device, claimed alone.
 
     Args:
@@ -52,8 +49,7 @@ class PpdevPort:
     """
 
     def __init__(self, device: str = "/dev/parport0") -> None:
-        self._device = device
-        self._fd = _open(device)
+        super().__init__(device, _open(device))
         self._status = bytearray(1)
         try:
             _claim(self._fd, device)
@@ -96,24 +92,8 @@ class PpdevPort:
             raise self._gone(error) from error
         return status[0]
 
-    def close(self) -> None:
-        """Release and close. What is on the pins stays there. Safe to call twice."""
-        fd, self._fd = self._fd, _CLOSED
-        if fd == _CLOSED:
-            return
-        with suppress(OSError):
-            ioctl(fd, _PPRELEASE)
-        # Linux has closed it even where it complains.
-        with suppress(OSError):
-            os.close(fd)
-
-    def _gone(self, error: OSError) -> PortError:
-        if self._fd == _CLOSED:
-            return PortError(f"{self._device} is used after it was given back.")
-        return PortError(
-            f"{self._device} does not answer any more: {os.strerror(error.errno or 0)};"
-            " position and motor currents are unknown, switch the motors' supply off."
-        )
+    def _give_back(self, fd: int) -> None:
+        ioctl(fd, _PPRELEASE)
 
 
 def _open(device: str) -> int:
