@@ -3,12 +3,18 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test check format clean firmware rig-avr rig-lpt
+.PHONY: run test coverage check format clean firmware rig-avr rig-lpt
 
 run: $(READY)
 	$(BIN)/fraese
 
+# What runs in real time comes last, alone.
 test: $(READY)
+	$(BIN)/pytest -n auto --dist worksteal -m "not alone"
+	$(BIN)/pytest -m alone
+
+# Twice as slow.
+coverage: $(READY)
 	$(BIN)/pytest --cov --cov-report=term
 
 check: $(READY)

@@ -1,6 +1,19 @@
-"""Settings for every test: property tests are modest and repeatable."""
+"""Settings for every test: property tests are modest and repeatable.
 
+Tests that start processes in real time have the machine for themselves (marker ``alone``); all
+others may run several at once (``pytest -n 2 -m "not alone"``).
+"""
+
+from pathlib import Path
+
+import pytest
 from hypothesis import HealthCheck, settings
+
+#: Folders of tests in which processes, threads or terminals run in real time.
+_ALONE = ("contracts", "doctor", "realtime", "rigs", "ui")
+#: The same, in other folders.
+_ALONE_FILES = ("bridge/test_stack.py", "test_headless.py", "test_worker.py")
+_HERE = Path(__file__).parent
 
 settings.register_profile(
     "fraese",
@@ -11,3 +24,11 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("fraese")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark who must be alone."""
+    for item in items:
+        path = item.path.relative_to(_HERE)
+        if path.parts[0] in _ALONE or path.as_posix() in _ALONE_FILES:
+            item.add_marker(pytest.mark.alone)

@@ -241,8 +241,8 @@ def test_hold_and_stop_count_for_one_job_only() -> None:
             assert controller.holding
             await b.wait(lambda: controller.state().held)
             b.app.action_stop_machine()
-            assert controller.cancelling
             await b.settled()
+            assert not controller.holding
             assert b.mill.look().lost_steps == (0, 0, 0)
             assert "without ramp" not in b.text("#message")
 
