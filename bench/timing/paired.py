@@ -26,8 +26,11 @@ import numpy as np
 
 from bench.timing.figures import Row, Section, together
 from bench.timing.single import row
+from fraese.motor.realtime.cores import core_for_steps
+from fraese.motor.realtime.kernel import kernel_facts
 from fraese.motor.realtime.measure import hogs
 from fraese.motor.realtime.spawn import command, environment
+from fraese.motor.realtime.system import PRIORITY
 
 _SLICES = 10
 _ROWS, _COLUMNS = 40, 120
@@ -103,7 +106,8 @@ def _with_app(seconds: float) -> tuple[Row, float]:
 @contextlib.contextmanager
 def _others_busy() -> Iterator[None]:
     """All cores but the one of the steps have something to do."""
-    cores = sorted(os.sched_getaffinity(0))[:-1] or [0]
+    facts = kernel_facts(PRIORITY)
+    cores = [core for core in facts.cores if core != core_for_steps(None, facts)]
     with hogs(len(cores)) as pids:
         for pid, core in zip(pids, cores, strict=True):
             os.sched_setaffinity(pid, {core})
