@@ -17,6 +17,8 @@ _Static_assert(FAR_CYCLES >> 8 == FAR_HIGH, "one limit for C and assembler");
 /* What must be chosen and made out outside the interrupt is at least so far ahead. */
 #define SOON_CYCLES 800
 #define MOST_BEATS 8
+/* From the look at the counter until a compare match that was found to be due later is set. */
+#define SET_CYCLES 100
 /* From the end of the wait to the first write it takes beats.S so much longer than C. */
 #define LAG_CYCLES 1
 
@@ -133,10 +135,16 @@ static void arm(uint8_t mode, uint32_t wait)
     set_compare();
 }
 
+/* That much of its interval is too late. */
+static bool is_much(uint16_t late, uint32_t interval)
+{
+    return (uint32_t)late << 2 > interval;
+}
+
 /* A write came late: if it was much, it is counted, and all that follows moves. */
 static void note_late(uint16_t late, uint32_t interval)
 {
-    if ((uint32_t)late << 2 <= interval)
+    if (!is_much(late, interval))
         return;
     player.due += late;
     player.late_ticks++;
@@ -756,10 +764,14 @@ void player_continue(void)
     if (player.mode != MODE_HOP) {
         uint16_t wait = player.due - was_due;
         cli();
-        uint16_t gone = TCNT1 - was_due + EARLY_CYCLES + NEAR_CYCLES;
+        uint16_t gone = TCNT1 - was_due + player.early + NEAR_CYCLES + SET_CYCLES;
         sei();
-        if (wait < gone)
-            note_late(gone - wait, player.cycles);
+        if (wait < gone) {
+            /* Moved even if it is little: a match in the past would come a whole turn of the timer
+             * later. */
+            player.due += gone - wait;
+            player.late_ticks += is_much(gone - wait, player.cycles);
+        }
         set_compare();
     }
     set_timer();
