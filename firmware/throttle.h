@@ -15,7 +15,9 @@
  * Rule 2: all of this runs where an interval is chosen, in the interrupt. What takes a division is
  *         worked out ahead by the main loop (throttle_service). What is not ready when it is needed
  *         is worked out on the spot, and counted: late_throttle.
- * Rule 3: `turn` changes with every change that makes work done ahead worthless; a result counts
+ * Rule 3: while it is open and nothing is wished, blocks are taken in hand without it; their limits
+ *         are owed, and settled before anything is decided.
+ * Rule 4: `turn` changes with every change that makes work done ahead worthless; a result counts
  *         only for the turn that it was made for.
  */
 #ifndef THROTTLE_H
@@ -37,7 +39,6 @@ struct throttle {
     uint32_t elapsed;
     uint32_t mark;      /* elapsed when the move was decided; 0: none waits */
     uint32_t accel_q, jump_q8, jump_cycles;
-    uint32_t jump_of_last; /* jump_cycles of the block before */
     uint32_t ceiling_q8; /* 0: none */
     uint8_t ready;      /* turn that `next_*` was worked out for */
     uint8_t next_state;
@@ -80,6 +81,9 @@ void throttle_set_override(uint16_t override_q8);
 /* Ceiling of a block under the override that is wanted now, if there is one. */
 void throttle_prepare(struct block *block);
 
+/* See the limits of blocks that beats.S took in hand. */
+void throttle_settle_limits(void);
+
 static inline bool throttle_is_closed(void)
 {
     return throttle.state == CLOSING || throttle.state == HELD;
@@ -97,15 +101,5 @@ static inline bool throttle_minds(const struct block *block)
         || (throttle.dry_point && (int16_t)(block->serial - throttle.dry_serial) >= 0);
 }
 
-/* The limits of the block that is taken in hand. */
-static inline void throttle_take_limits(const struct block *block)
-{
-    throttle.turn++;
-    throttle.is_steady = false;
-    throttle.jump_of_last = throttle.jump_cycles;
-    throttle.accel_q = block->accel_q;
-    throttle.jump_q8 = block->jump_q8;
-    throttle.jump_cycles = block->jump_cycles;
-}
 
 #endif
