@@ -228,7 +228,8 @@ beat:
     rjmp \back
 .endm
 
-// The interval goes on along its ramp: r21:r19:r18 in cycles.
+// The interval goes on along its ramp: r19:r18 in cycles, FAR_HIGH or more in r19 if it leaves what
+// is usual. (`add` and the interval are below FAR_HIGH << 15 and << 16: so three bytes say it.)
 .macro go_on_ramp
     ldd  r18, Y + BLOCK_INTERVAL
     ldd  r22, Y + BLOCK_ADD
@@ -242,14 +243,56 @@ beat:
     ldd  r22, Y + BLOCK_ADD + 2
     adc  r19, r22
     std  Y + BLOCK_INTERVAL + 2, r19
-    ldd  r21, Y + BLOCK_INTERVAL + 3
-    ldd  r22, Y + BLOCK_ADD + 3
-    adc  r21, r22
-    std  Y + BLOCK_INTERVAL + 3, r21
 .endm
 
-// player.cycles becomes player.last_cycles// both are below 1 << 16, as everything here.
+// The fourth byte, where the interval is no longer usual: it has become long, or less than nothing.
+.macro complete_ramp
+    ldi  r21, 0
+    cpi  r19, 0xC0
+    brlo 1f
+    com  r21
+1:  std  Y + BLOCK_INTERVAL + 3, r21
+.endm
+
+.macro double_share number
+    ldd  r22, Y + MINOR_SIZE * \number + MINOR_ADD
+    lsl  r22
+    std  Y + MINOR_SIZE * \number + MINOR_ADD, r22
+    ldd  r22, Y + MINOR_SIZE * \number + MINOR_ADD + 1
+    rol  r22
+    std  Y + MINOR_SIZE * \number + MINOR_ADD + 1, r22
+    ldd  r22, Y + MINOR_SIZE * \number + MINOR_ADD + 2
+    rol  r22
+    std  Y + MINOR_SIZE * \number + MINOR_ADD + 2, r22
+.endm
+
+.macro halve_share number
+    ldd  r22, Y + MINOR_SIZE * \number + MINOR_ADD + 2
+    lsr  r22
+    std  Y + MINOR_SIZE * \number + MINOR_ADD + 2, r22
+    ldd  r22, Y + MINOR_SIZE * \number + MINOR_ADD + 1
+    ror  r22
+    std  Y + MINOR_SIZE * \number + MINOR_ADD + 1, r22
+    ldd  r22, Y + MINOR_SIZE * \number + MINOR_ADD
+    ror  r22
+    std  Y + MINOR_SIZE * \number + MINOR_ADD, r22
+.endm
+
+// End, interval, add and whether it is the last: all but its ramps.
+.macro copy_piece
+    .set copied, 0
+    .rept PIECE_RAMPS
+    ldd  r24, Z + copied
+    std  Y + BLOCK_PIECE_END + copied, r24
+    .set copied, copied + 1
+    .endr
+.endm
+
+// player.cycles becomes player.last_cycles// both are below 1 << 16, as all that is usual.
 .macro keep_last
+    clr  r22
+    sts  player + PLAYER_LAST + 2, r22
+    sts  player + PLAYER_LAST + 3, r22
     lds  r22, player + PLAYER_CYCLES
     sts  player + PLAYER_LAST, r22
     lds  r22, player + PLAYER_CYCLES + 1
@@ -491,9 +534,18 @@ move_at_y:
 
 at_end:
     rcall go_over
-    brne 1f
+    brne block_begins
+    rcall next_piece
+    brne piece_begins
     rjmp slow_tick
-1:  keep_last
+piece_begins:
+    keep_last
+    ldd  r18, Y + BLOCK_INTERVAL + 1
+    ldd  r19, Y + BLOCK_INTERVAL + 2
+    ldd  r20, Y + BLOCK_BEATS
+    rjmp divide
+block_begins:
+    keep_last
     ldd  r22, Y + BLOCK_ENTRY
     sts  player + PLAYER_CYCLES, r22
     ldd  r22, Y + BLOCK_ENTRY + 1
@@ -539,16 +591,55 @@ go_over:
 1:  sez
 2:  ret
 
+// The next piece of the block in hand, likewise. Uses r18, r24, r25, Z.
+next_piece:
+    in   r24, WANT
+    ldd  r18, Y + BLOCK_PIECE_IS_LAST
+    or   r24, r18
+    brne 1b
+    lds  r18, piece_tail
+    lds  r24, piece_head
+    cp   r18, r24
+    breq 2b
+    mov  r30, r18                   // 13 times: PIECE_SIZE
+    lsl  r30
+    lsl  r30
+    mov  r31, r30
+    lsl  r30
+    add  r30, r31
+    add  r30, r18
+    clr  r31
+    subi r30, lo8(-(pieces))
+    sbci r31, hi8(-(pieces))
+    ldd  r25, Z + PIECE_RAMPS
+    cpi  r25, RAMP_SLOW
+    breq 2b
+    std  Y + BLOCK_RAMPS, r25
+    copy_piece
+    inc  r18
+    andi r18, PIECES - 1
+    sts  piece_tail, r18
+    lds  r24, player + PLAYER_DONE
+    sts  player + PLAYER_CHOSEN_AT, r24
+    lds  r24, player + PLAYER_DONE + 1
+    sts  player + PLAYER_CHOSEN_AT + 1, r24
+    lds  r24, player + PLAYER_DONE + 2
+    sts  player + PLAYER_CHOSEN_AT + 2, r24
+    clz
+    ret
+
+// The tick is chosen, but its interval is none for beats.S.
+ramp_ends:
+    complete_ramp
+    call_c player_tick_chosen
+    rjmp called
+
 // The interval changes from tick to tick// its number of beats seldom does.
 ramp:
     go_on_ramp
-    keep_last
-    tst  r21
-    brne ramp_slowly
-    sts  player + PLAYER_LAST + 2, r21
-    sts  player + PLAYER_LAST + 3, r21
     cpi  r19, FAR_HIGH
-    brsh ramp_slowly
+    brsh ramp_ends
+divide:
     sts  player + PLAYER_CYCLES, r18
     sts  player + PLAYER_CYCLES + 1, r19
     movw r22, r18
@@ -564,19 +655,34 @@ ramp:
     ror  r22
     lsl  r21
     rjmp 1b
-2:  cp   r21, r20
-    brne ramp_slowly
-    std  Y + BLOCK_BEAT_CYCLES, r22
+2:  std  Y + BLOCK_BEAT_CYCLES, r22
     std  Y + BLOCK_BEAT_CYCLES + 1, r23
+    cp   r20, r21
+    brne beats_change
+beats_known:
     dec  r21
     and  r21, r18
     std  Y + BLOCK_LAG, r21
     rjmp prepare
 
-// The tick is chosen, but not as usual.
-ramp_slowly:
-    call_c player_tick_chosen
-    rjmp called
+// From r20 beats to r21: the minors' shares in a beat double or halve.
+beats_change:
+    std  Y + BLOCK_BEATS, r21
+    brlo 4f
+3:  double_share 0
+    double_share 1
+    double_share 2
+    lsr  r20
+    cp   r20, r21
+    brne 3b
+    rjmp beats_known
+4:  halve_share 0
+    halve_share 1
+    halve_share 2
+    lsl  r20
+    cp   r20, r21
+    brne 4b
+    rjmp beats_known
 
 // A write came late: from a quarter of the interval on it is counted, and all that follows moves
 // (player.c: note_late).
@@ -672,6 +778,9 @@ find_fall:
     cpi  r25, RAMP_FAST
     brne 2f
     go_on_ramp
+    cpi  r19, FAR_HIGH
+    brlo 2f
+    complete_ramp
 2:  lds  r18, player + PLAYER_PLAN
     lds  r19, player + PLAYER_PLAN + 1
     lsr  r19
@@ -754,6 +863,8 @@ fall_unsteady:
     cpc  r18, r21
     brne 1f
     rcall go_over
+    brne 1f
+    rcall next_piece
     breq slow_fall
 1:  ldd  r25, Y + BLOCK_RAMPS
     cpi  r25, RAMP_SLOW
@@ -762,9 +873,6 @@ fall_unsteady:
     lds  r19, player + PLAYER_WAIT + 1
     cpi  r25, RAMP_STEADY
     breq wait_known
-    ldd  r21, Y + BLOCK_INTERVAL + 3
-    tst  r21
-    brne slow_fall
     ldd  r18, Y + BLOCK_INTERVAL + 1
     ldd  r19, Y + BLOCK_INTERVAL + 2
     cpi  r19, FAR_HIGH

@@ -32,6 +32,13 @@ AT(block, shortest, BLOCK_SHORTEST);
 AT(block, serial, BLOCK_SERIAL);
 AT(block, entry_cycles, BLOCK_ENTRY);
 
+AT(piece, end, PIECE_END);
+AT(piece, interval_q8, PIECE_INTERVAL);
+AT(piece, add_q8, PIECE_ADD);
+AT(piece, last, PIECE_LAST);
+AT(piece, ramps, PIECE_RAMPS);
+SIZE(piece, PIECE_SIZE);
+
 AT(motor, phase, MOTOR_PHASE);
 AT(motor, high, MOTOR_HIGH);
 AT(motor, bit, MOTOR_BIT);

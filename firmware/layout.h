@@ -26,6 +26,15 @@
 #define BLOCK_SERIAL 50
 #define BLOCK_ENTRY 52
 
+/* struct piece */
+#define PIECE_END 0
+#define PIECE_INTERVAL 3
+#define PIECE_ADD 7
+#define PIECE_LAST 11
+#define PIECE_RAMPS 12
+#define PIECE_SIZE 13
+#define PIECES 4
+
 /* struct motor, and the table before the four of them */
 #define MOTOR_PHASE 0
 #define MOTOR_HIGH 1

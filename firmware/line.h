@@ -59,12 +59,17 @@ static inline void line_poll(void)
     line.is_held = false;
 }
 
+static inline bool line_has_more(void)
+{
+    return line.tail != *(volatile uint8_t *)&line.head;
+}
+
 /* The next byte that came, or -1. */
 static inline int16_t line_next(void)
 {
     line_poll();
     uint8_t tail = line.tail;
-    if (tail == *(volatile uint8_t *)&line.head)
+    if (!line_has_more())
         return -1;
     uint8_t byte = line.bytes[tail];
     line.tail = (uint8_t)(tail + 1) & (LINE_RING - 1);

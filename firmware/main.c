@@ -55,9 +55,12 @@ static void begin(void)
     sei();
 }
 
-/* What must have its turn more often than once in a loop. */
+/* What must have its turn more often than once in a loop. The next block goes before bytes: the
+ * motors wait for it, the host does not. */
 static void mind_line(void)
 {
+    if (!player_has_block())
+        reader_service();
     frames_receive();
     frames_send();
     throttle_service();

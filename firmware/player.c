@@ -91,9 +91,10 @@ uint32_t player_last(void)
 {
     if (!player.cycles || (player.beats_left && player.done == player.chosen_at))
         return player.last_cycles;
-    return player.beats_left && player.block && player.block->ramps == RAMP_FAST
-        ? player.last_cycles
-        : player.cycles;
+    const struct block *block = player.block;
+    if (player.beats_left && block && block->ramps == RAMP_FAST)
+        return (block->interval_q8 - (uint32_t)block->add_q8) >> 8;
+    return player.cycles;
 }
 
 /* ---- what */
@@ -125,6 +126,15 @@ static void set_shares(struct block *block, uint8_t beats)
     }
 }
 
+/* How the intervals of a block that moves go on; beats.S adds three bytes. */
+static uint8_t ramps_of(int32_t add_q8)
+{
+    const uint32_t most = (uint32_t)FAR_CYCLES << 7;
+    if ((uint32_t)add_q8 + most > 2 * most)
+        return RAMP_SLOW;
+    return add_q8 ? RAMP_FAST : RAMP_NONE;
+}
+
 /* Divide the tick in hand, a far one, into beats. */
 static void divide_far(uint32_t cycles)
 {
@@ -154,10 +164,7 @@ static void divide(struct block *block, uint16_t cycles)
         set_shares(block, beats);
     block->beats = beats;
     block->lag_cycles = (uint8_t)cycles & (beats - 1);
-    if (!block->moving)
-        block->ramps = RAMP_SLOW;
-    else
-        block->ramps = block->add_q8 ? RAMP_FAST : RAMP_NONE;
+    block->ramps = block->moving ? ramps_of(block->add_q8) : RAMP_SLOW;
 }
 
 /* The tick in hand has this interval. */
@@ -286,8 +293,10 @@ static void go_to_edge(uint32_t cycles)
     player.plan_cycles = cycles;
     player.cycles = cycles > player.not_before ? cycles : player.not_before;
     player.chosen_at = player.done;
-    bool usual = block->moving && !beat.control_due && player.cycles < FAR_CYCLES;
-    block->ramps = !usual ? RAMP_SLOW : block->add_q8 ? RAMP_FAST : RAMP_NONE;
+    block->ramps = ramps_of(block->add_q8);
+    if (!block->moving || beat.control_due || player.cycles >= FAR_CYCLES)
+        block->ramps = RAMP_SLOW;
+    bool usual = block->ramps != RAMP_SLOW;
     arm(usual ? MODE_FAST_RISE : MODE_RISE, player.cycles - player.fall_cycles);
 }
 
@@ -378,6 +387,12 @@ static bool find_tick(uint32_t *cycles)
     }
     *cycles = player.block->interval_q8 >> 8;
     return !WANT || throttle_choose(cycles, false);
+}
+
+void player_prepare_piece(const struct block *block, struct piece *piece)
+{
+    bool is_plain = block->moving && piece->interval_q8 < (uint32_t)FAR_CYCLES << 8;
+    piece->ramps = is_plain ? ramps_of(piece->add_q8) : RAMP_SLOW;
 }
 
 void player_prepare(struct block *block)

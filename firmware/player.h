@@ -41,7 +41,7 @@ struct player {
     ticks_t done;        /* ticks of the block that are played */
     ticks_t chosen_at;   /* `done` at the last choice in C */
     uint32_t cycles;      /* interval of the tick in hand, as it is played; 0: from rest */
-    uint32_t last_cycles; /* of the tick before, as of the last choice in C or of a ramp */
+    uint32_t last_cycles; /* of the tick before, as of the last choice in C */
     uint8_t beats_left;
     uint8_t moved;        /* motors moved in the tick in hand */
     uint16_t late;        /* with IS_LATE: by how much */
@@ -72,6 +72,8 @@ void player_continue(void);
 void player_rest(void);
 /* First piece known: what can be worked out ahead of the block's first tick. Main loop. */
 void player_prepare(struct block *block);
+/* The same for a later piece of it. */
+void player_prepare_piece(const struct block *block, struct piece *piece);
 /* What the tick played last took; 0 at rest. */
 uint32_t player_last(void);
 /* The block in hand is given up. */

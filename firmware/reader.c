@@ -300,15 +300,13 @@ static void set_minors(struct block *block, const ticks_t steps[])
 /* Direction bits of the motors that move; the others keep theirs. */
 static void set_data(struct block *block)
 {
-    uint8_t data = reading.data;
-    for (uint8_t motor = 0; motor < card.facts.motors; motor++) {
-        uint8_t line = (uint8_t)_BV(2 * motor);
-        if (!(block->moving & _BV(motor)))
-            continue;
-        bool forward = block->forward & _BV(motor);
-        data = forward == (card.facts.forward_high != 0) ? data | line : data & (uint8_t)~line;
-    }
-    if (card.facts.type == CARD_CLOCKS && data != reading.data)
+    uint8_t data = reading.data, line = 1, highs = block->forward;
+    if (!card.facts.forward_high)
+        highs = ~highs;
+    for (uint8_t bit = 1; bit < _BV(MOTORS_MAX); bit <<= 1, line <<= 2)
+        if (block->moving & bit)
+            data = highs & bit ? data | line : data & (uint8_t)~line;
+    if (data != reading.data)
         block->is_plain = false; /* directions turn */
     block->data = reading.data = data;
 }
@@ -369,7 +367,8 @@ static void read_head(void)
     block->piece_is_last = true;
     block->exit_cycles = reading.exit_cycles;
     line_poll();
-    set_data(block);
+    if (card.facts.type == CARD_CLOCKS)
+        set_data(block);
     reading.is_ready = false;
     reading.ticks = 0;
     reading.goes_on_q8 = 0;
@@ -437,30 +436,37 @@ static void read_piece(void)
             block->ticks = reading.ticks;
         reading.exit_cycles = block->moving ? (reading.goes_on_q8 - (uint32_t)add_q8) >> 8 : 0;
     }
+    bool was_ramp = reading.is_ramp;
+    reading.is_ramp = add_q8 != 0;
+    bool turns_boost = card.facts.type == CARD_CLOCKS && reading.is_ramp != was_ramp;
     if (reading.is_ready) {
         struct piece *piece = &pieces[piece_head];
         piece->end = reading.ticks;
         piece->interval_q8 = interval_q8;
         piece->add_q8 = add_q8;
         piece->last = is_last;
+        player_prepare_piece(block, piece);
+        if (turns_boost)
+            piece->ramps = RAMP_SLOW;
         piece_head = (uint8_t)(piece_head + 1) & (PIECES - 1);
     } else {
         block->piece_end = reading.ticks;
         block->interval_q8 = interval_q8;
         block->add_q8 = add_q8;
         block->piece_is_last = is_last;
-        if (card.facts.type == CARD_CLOCKS && reading.is_ramp != (add_q8 != 0))
-            block->is_plain = false; /* BOOST changes */
+        block->is_plain &= !turns_boost;
         finish_block(block);
     }
-    reading.is_ramp = add_q8 != 0;
     if (is_last)
         reading.slot ^= 1;
 }
 
-/* Ratios of the coming junction, for a throttle that may not be open then. */
+/* Ratios of the coming junction, for a throttle that may not be open then. While it is open, what
+ * comes over the line goes first. */
 static bool prepare_junction(void)
 {
+    if (throttle.state == OPEN && line_has_more())
+        return false;
     struct block *block = &blocks[*(volatile uint8_t *)&player.taken & 1];
     if (!player_has_block() || block->flags & BLOCK_RATIOS)
         return false;

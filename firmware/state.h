@@ -18,6 +18,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "layout.h"
 #include "protocol.h"
 
 typedef __uint24 ticks_t; /* also eighths of ticks: 2^21 - 1 ticks in a block at most */
@@ -115,9 +116,8 @@ struct piece {
     uint32_t interval_q8;
     int32_t add_q8;
     bool last;
+    uint8_t ramps; /* RAMP_SLOW: taken by C */
 };
-
-#define PIECES 4
 
 static inline uint8_t minors_of(const struct block *block)
 {

@@ -339,10 +339,10 @@ void throttle_enter(const struct block *block, uint32_t exit)
     }
 }
 
-void throttle_service(void)
+void throttle_work_ahead(void)
 {
     uint8_t turn = *(volatile uint8_t *)&throttle.turn;
-    if (throttle.ready == turn || throttle.state == OPEN || throttle.state == HELD)
+    if (throttle.ready == turn)
         return;
     struct move move = {throttle.state, throttle.rate_q8, throttle.cycles};
     uint32_t mark = throttle.mark;

@@ -13,7 +13,7 @@
  *
  * Rule 1: every integer is the core's (fraese/motor/throttle.py): same state, same cycles.
  * Rule 2: all of this runs where an interval is chosen, in the interrupt. What takes a division is
- *         worked out ahead by the main loop (throttle_service). What is not ready when it is needed
+ *         worked out ahead by the main loop (throttle_work_ahead). What is not ready when it is needed
  *         is worked out on the spot, and counted: late_throttle.
  * Rule 3: while it is open and nothing is wished, blocks are taken in hand without it; their limits
  *         are owed, and settled before anything is decided.
@@ -75,14 +75,20 @@ void throttle_enter(const struct block *block, uint32_t exit_cycles);
 void throttle_open(void);
 void throttle_hold(void);
 void throttle_reset(void);
-/* Work ahead, in the main loop. */
-void throttle_service(void);
+/* Work ahead, in the main loop, while it has something to say. */
+void throttle_work_ahead(void);
 void throttle_set_override(uint16_t override_q8);
 /* Ceiling of a block under the override that is wanted now, if there is one. */
 void throttle_prepare(struct block *block);
 
 /* See the limits of blocks that beats.S took in hand. */
 void throttle_settle_limits(void);
+
+static inline void throttle_service(void)
+{
+    if (throttle.state != OPEN && throttle.state != HELD)
+        throttle_work_ahead();
+}
 
 static inline bool throttle_is_closed(void)
 {
