@@ -300,6 +300,7 @@ beat:
 .endm
 
 .global TIMER1_COMPA_vect
+.type TIMER1_COMPA_vect, @function
 TIMER1_COMPA_vect:
     movw r2, r24
     movw r4, r30
@@ -753,6 +754,7 @@ rise_done_counted:
     ldd  r21, Y + BLOCK_PIECE_END
     cp   r18, r21
     breq rise_perhaps_last
+rise_within_piece:
     ldd  r25, Y + BLOCK_RAMPS
     cpi  r25, RAMP_STEADY
     brne rise_unsteady
@@ -763,7 +765,13 @@ rise_done_counted:
 
 rise_higher:
     count_higher rise_done_counted
-rise_perhaps_last:                  // if so, C or go_over sees to it after the fall
+rise_perhaps_last:                  // if so, the next piece or block is seen to after the fall
+    load_done 1
+    cp   r18, r21
+    brne rise_within_piece
+    load_done 2
+    cp   r18, r21
+    brne rise_within_piece
     rcall find_fall
     ldi  r20, MODE_LAST_FALL
     rjmp set_timer
@@ -855,13 +863,6 @@ fall_unsteady:
     load_block
     cpi  r20, MODE_LAST_FALL
     brne 1f
-    load_done 0
-    cp   r18, r21
-    load_done 1
-    cpc  r18, r21
-    load_done 2
-    cpc  r18, r21
-    brne 1f
     rcall go_over
     brne 1f
     rcall next_piece
@@ -951,3 +952,5 @@ clocks_none_narrow:
     clock_minor 1 3 clocks_done
     clock_minor 2 3 clocks_done
     rjmp clocks_done
+
+.size TIMER1_COMPA_vect, . - TIMER1_COMPA_vect

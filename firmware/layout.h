@@ -88,7 +88,7 @@
 #define MODE_FAST_RISE 0x80
 #define MODE_FAST_FALL 0x40   /* the next edge is made out */
 #define MODE_STEADY_FALL 0x41 /* likewise, and the wait until then is known */
-#define MODE_LAST_FALL 0x42   /* perhaps of its piece: nothing is made out */
+#define MODE_LAST_FALL 0x42   /* of its piece: nothing is made out */
 
 /* block.ramps. RAMP_FAST is a bit that WANT has not, where both are looked at. */
 #define RAMP_NONE 0
@@ -109,8 +109,9 @@
 #define BEAT_REST 17 /* struct entry rest: clock lines at rest */
 #define BEAT_SIZE 22
 
-/* From the compare match to the deadline: entry, the longest lock, what is done before the wait. */
-#define EARLY_CYCLES 60
+/* From the compare match to the deadline: entry, an instruction, the longest lock, what is done
+ * before the wait; less what the wait adds (wait_out: 16). */
+#define EARLY_CYCLES 38
 #define EARLY_SLOW_CYCLES 170 /* where C does it */
 /* No compare match is set closer than this: it might pass while it is being set. */
 #define NEAR_CYCLES 8

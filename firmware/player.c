@@ -278,6 +278,26 @@ static void prepare_clocks(void)
     beat.rest.high = (uint8_t)(DATA_HIGH(card.data) | card.control_high);
 }
 
+/* From the edge that comes to its fall. */
+static void set_fall(void)
+{
+    uint16_t pulse = card.facts.pulse_cycles;
+    uint32_t half = player.plan_cycles >> 1;
+    player.fall_cycles = half > pulse ? half : pulse;
+    player.not_before = player.fall_cycles + pulse;
+}
+
+/* All edges of the piece that begins come at one interval. */
+static void settle(struct block *block)
+{
+    uint32_t cycles = player.plan_cycles;
+    set_fall();
+    if (cycles < player.not_before)
+        cycles = player.not_before;
+    player.wait_cycles = (uint16_t)(cycles - player.fall_cycles);
+    block->ramps = RAMP_STEADY;
+}
+
 /* An edge of clock lines, from the fall before it. */
 static void go_to_edge(uint32_t cycles)
 {
@@ -298,6 +318,8 @@ static void go_to_edge(uint32_t cycles)
         block->ramps = RAMP_SLOW;
     bool usual = block->ramps != RAMP_SLOW;
     arm(usual ? MODE_FAST_RISE : MODE_RISE, player.cycles - player.fall_cycles);
+    if (block->ramps == RAMP_NONE && cycles == block->interval_q8 >> 8)
+        settle(block);
 }
 
 /* ---- which tick */
@@ -574,9 +596,7 @@ static void play_rise(void)
     beat.pins[0] = PIN_STATUS;
     inputs_examine_beat();
     note_late(late, player.cycles);
-    uint32_t half = player.plan_cycles >> 1;
-    player.fall_cycles = half > card.facts.pulse_cycles ? half : card.facts.pulse_cycles;
-    player.not_before = player.fall_cycles + card.facts.pulse_cycles;
+    set_fall();
     hop.may_choose = false;
     tick_done();
     arm(MODE_FALL, player.fall_cycles);

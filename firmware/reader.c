@@ -322,8 +322,8 @@ static void take_watch(struct block *block)
 static void block_is_ready(void)
 {
     reading.is_ready = true;
-    cli();
     blocks_read++;
+    cli();
     records_waiting--;
     sei();
     player_offer();
