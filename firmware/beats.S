@@ -22,6 +22,7 @@
 #include "layout.h"
 
 #define WANT _SFR_IO_ADDR(GPIOR0)
+#define MAY_RUN_DRY 6
 #define IS_LATE 7
 #define SAVED_SREG _SFR_IO_ADDR(GPIOR1)
 #define MODE _SFR_IO_ADDR(GPIOR2)
@@ -385,11 +386,16 @@ perhaps_at_end:
     brne within_piece
     rjmp at_end
 no_usual_tick:
-    cpi  r25, RAMP_FAST             // and nothing wished: then r24 is as much
-    brne slow_tick
-    cp   r24, r25
-    brne slow_tick
-    rjmp ramp
+    cpi  r25, RAMP_SLOW
+    breq slow_tick
+    in   r24, WANT
+    tst  r24
+    breq 1f
+    rcall dry_is_ahead
+    breq slow_tick
+    tst  r25
+    breq prepare
+1:  rjmp ramp
 slow_tick:
     call_c player_tick
     rjmp called
@@ -553,6 +559,40 @@ block_begins:
     sts  player + PLAYER_CYCLES + 1, r22
     ldd  r20, Y + BLOCK_BEATS
     rjmp prepare
+
+// What is wished (r24) is only a look at the dry point, and that is still ahead: else Z is set.
+// Uses r18, r22.
+dry_is_ahead:
+    cpi  r24, 1 << MAY_RUN_DRY
+    brne 3f
+    lds  r18, throttle + THROTTLE_DRY_POINT
+    tst  r18
+    breq 1f
+    lds  r18, player + PLAYER_SERIAL
+    lds  r22, throttle + THROTTLE_DRY_SERIAL
+    cp   r18, r22
+    lds  r18, player + PLAYER_SERIAL + 1
+    lds  r22, throttle + THROTTLE_DRY_SERIAL + 1
+    cpc  r18, r22
+    brmi 1f
+    brne 3f
+    lds  r18, player + PLAYER_DONE
+    lds  r22, throttle + THROTTLE_DRY_TICK
+    cp   r18, r22
+    lds  r18, player + PLAYER_DONE + 1
+    lds  r22, throttle + THROTTLE_DRY_TICK + 1
+    cpc  r18, r22
+    lds  r18, player + PLAYER_DONE + 2
+    lds  r22, throttle + THROTTLE_DRY_TICK + 2
+    cpc  r18, r22
+    brsh 3f
+    clz
+    ret
+1:  cbi  WANT, MAY_RUN_DRY          // it has moved on
+    clz
+    ret
+3:  sez
+    ret
 
 // The next block in hand, at the end of the last piece of the one before// Z set: that is a matter
 // for C. Uses r18, r24, r25.
@@ -841,7 +881,8 @@ fallen:
     in   r24, WANT
     in   r20, MODE
     tst  r24
-    brne slow_fall
+    brne fall_wished
+fall_unwished:
     cpi  r20, MODE_STEADY_FALL
     brne fall_unsteady
     lds  r18, player + PLAYER_WAIT
@@ -850,6 +891,11 @@ to_rise:
     ldi  r20, MODE_FAST_RISE
     rjmp set_timer
 
+fall_wished:
+    cpi  r20, MODE_LAST_FALL
+    breq slow_fall
+    rcall dry_is_ahead
+    brne fall_unwished
 slow_fall:                          // r20: the mode says whether the next edge is made out
     ldi  r24, 1
     cpi  r20, MODE_LAST_FALL

@@ -6,6 +6,7 @@
 #include "layout.h"
 #include "line.h"
 #include "player.h"
+#include "throttle.h"
 
 #define AT(type, field, offset) \
     _Static_assert(offsetof(struct type, field) == (offset), #type "." #field)
@@ -78,6 +79,10 @@ AT(player, fall_cycles, PLAYER_FALL);
 AT(player, not_before, PLAYER_NOT_BEFORE);
 AT(player, is_made_out, PLAYER_IS_MADE_OUT);
 AT(player, wait_cycles, PLAYER_WAIT);
+
+AT(throttle, dry_point, THROTTLE_DRY_POINT);
+AT(throttle, dry_serial, THROTTLE_DRY_SERIAL);
+AT(throttle, dry_tick, THROTTLE_DRY_TICK);
 
 AT(beat, end, BEAT_END);
 AT(beat, mask, BEAT_MASK);

@@ -77,6 +77,11 @@
 #define PLAYER_IS_MADE_OUT 44
 #define PLAYER_WAIT 45
 
+/* struct throttle */
+#define THROTTLE_DRY_POINT 0
+#define THROTTLE_DRY_SERIAL 1
+#define THROTTLE_DRY_TICK 3
+
 /* What the next interrupt is. Two bits tell the frequent ones apart. */
 #define MODE_PHASES 0
 #define MODE_SLOW 1
@@ -90,9 +95,9 @@
 #define MODE_STEADY_FALL 0x41 /* likewise, and the wait until then is known */
 #define MODE_LAST_FALL 0x42   /* of its piece: nothing is made out */
 
-/* block.ramps. RAMP_FAST is a bit that WANT has not, where both are looked at. */
+/* block.ramps */
 #define RAMP_NONE 0
-#define RAMP_FAST 0x80
+#define RAMP_FAST 1
 #define RAMP_SLOW 2 /* every tick is taken by C */
 /* Clock lines at a constant interval: after one tick the fall, after two the wait is the same. */
 #define RAMP_SETTLING 3

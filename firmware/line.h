@@ -59,9 +59,10 @@ static inline void line_poll(void)
     line.is_held = false;
 }
 
-static inline bool line_has_more(void)
+/* Bytes that came and were not looked at. */
+static inline uint8_t line_waiting(void)
 {
-    return line.tail != *(volatile uint8_t *)&line.head;
+    return (uint8_t)(*(volatile uint8_t *)&line.head - line.tail) & (LINE_RING - 1);
 }
 
 /* The next byte that came, or -1. */
@@ -69,7 +70,7 @@ static inline int16_t line_next(void)
 {
     line_poll();
     uint8_t tail = line.tail;
-    if (!line_has_more())
+    if (!line_waiting())
         return -1;
     uint8_t byte = line.bytes[tail];
     line.tail = (uint8_t)(tail + 1) & (LINE_RING - 1);

@@ -46,15 +46,18 @@ static struct {
 
 static void store(const uint8_t *bytes, uint8_t count)
 {
-    uint8_t *to = ring + head;
+    uint16_t room = BOARD_RING - head;
     used += count;
-    while (count--) {
-        *to++ = *bytes++;
-        if (to == ring + BOARD_RING)
-            to = ring;
+    if (count >= room) {
+        memcpy(ring + head, bytes, room);
+        bytes += room;
+        count -= (uint8_t)room;
+        head = 0;
         line_poll();
     }
-    head = (uint16_t)(to - ring);
+    memcpy(ring + head, bytes, count);
+    head += count;
+    line_poll();
 }
 
 static uint8_t take_u8(void)
@@ -465,7 +468,7 @@ static void read_piece(void)
  * comes over the line goes first. */
 static bool prepare_junction(void)
 {
-    if (throttle.state == OPEN && line_has_more())
+    if (throttle.state == OPEN && line_waiting())
         return false;
     struct block *block = &blocks[*(volatile uint8_t *)&player.taken & 1];
     if (!player_has_block() || block->flags & BLOCK_RATIOS)

@@ -27,7 +27,11 @@
 
 enum throttle_state { OPEN, CLOSING, HELD, OPENING, LIMITED };
 
+/* The first part is read by beats.S: see layout.h. */
 struct throttle {
+    volatile bool dry_point; /* there is one: */
+    uint16_t dry_serial;
+    ticks_t dry_tick;
     volatile uint8_t state;
     uint8_t turn;
     bool is_steady;     /* nothing changes before `elapsed` reaches `steady_until` */
@@ -45,9 +49,6 @@ struct throttle {
     uint32_t next_rate_q8, next_cycles;
     uint16_t override_q8; /* as wanted */
     bool dry;             /* closed for want of blocks */
-    volatile bool dry_point;
-    uint16_t dry_serial;
-    ticks_t dry_tick;
     uint8_t dry_queues;
     uint8_t late_throttle;
 };
