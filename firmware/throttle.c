@@ -372,13 +372,12 @@ void throttle_prepare(struct block *block)
 void throttle_set_override(uint16_t override_q8)
 {
     /* The interrupt must not see a new override with an old ceiling. */
-    for (uint8_t slot = 0; slot < 2; slot++) {
-        uint8_t sreg = SREG;
-        cli();
-        blocks[slot].flags &= (uint8_t)~BLOCK_CEILING;
-        throttle.override_q8 = override_q8;
-        SREG = sreg;
-    }
+    uint8_t sreg = SREG;
+    cli();
+    blocks[0].flags &= (uint8_t)~BLOCK_CEILING;
+    blocks[1].flags &= (uint8_t)~BLOCK_CEILING;
+    throttle.override_q8 = override_q8;
+    SREG = sreg;
     for (uint8_t slot = 0; slot < 2; slot++)
         if (blocks[slot].override_q8 > override_q8 && blocks[slot].top_cycles)
             throttle_prepare(&blocks[slot]);
