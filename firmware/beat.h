@@ -24,18 +24,16 @@ HERE void write_pair(volatile uint8_t *one, uint8_t a, volatile uint8_t *other, 
 
 struct entry {
     uint8_t low, high; /* port bytes */
-    uint8_t bit;       /* motor */
 };
 
 /* The port bytes of the next beat, in the order in which they are written. Read by beats.S. */
 struct beat {
     struct entry entry[MOTORS_MAX];
     uint8_t end;  /* low byte of the address behind the last one */
-    uint8_t mask; /* all their motors */
+    uint8_t mask; /* all their motors; clock lines: their bits of the data byte */
     /* Readings that need no look: ((pins ^ quiet) | restless) & mind == 0. */
     uint8_t quiet, restless, mind;
     uint8_t pins[MOTORS_MAX]; /* what was read after each */
-    struct entry more; /* beats.S loads one entry too many */
     struct entry rest; /* clock lines at rest */
 
     bool control_due; /* outputs change first */

@@ -10,25 +10,31 @@
 //         wished. All else is called in C, after r0 and r1 are saved and r1 cleared.
 // Rule 3: structures are those of layout.h// this file decides nothing that C does not decide the
 //         same way (player.c: play_slowly, prepare).
-// Rule 4: the strobe is low for 8 cycles, half a microsecond// the loads of the next motor fill it.
+// Rule 4: the strobe is low for 8 cycles at least, half a microsecond// the loads of the next motor
+//         fill it.
+// Rule 5: Y is the block in hand wherever its time law is spoken of. So a block is gone over to by a
+//         pointer, at the price of two movements.
+// Rule 6: sums of minors take 16 bits in a block that is short enough (narrow), else 24 (wide).
 
 #define __SFR_OFFSET 0
 #include <avr/io.h>
 #include "board.h"
 #include "layout.h"
 
-    .data
-    .balign 64
-    .global tracks                  // struct tracks: in one page, since data begins a page
+#define WANT _SFR_IO_ADDR(GPIOR0)
+#define MAY_RUN_DRY 6
+#define IS_LATE 7
+#define SAVED_SREG _SFR_IO_ADDR(GPIOR1)
+#define MODE _SFR_IO_ADDR(GPIOR2)
+
+    .data                           // begins a page: layout.ld sees to it that this is its begin
+    .global tracks                  // struct tracks: a phase is the low byte of its entry's address
 tracks:
     .space TRACKS_SIZE
-    .balign 32
-    .global beat                    // struct beat, likewise
+    .global beat                    // struct beat: in the same page
 beat:
     .space BEAT_SIZE
     .text
-
-#define STROBE_LOW (0xFF & ~(1 << STROBE_BIT))
 
 // Counter to `due` in r25:r24: waits// leaves IS_LATE and player.late if it was too late.
 .macro wait_out
@@ -49,31 +55,29 @@ beat:
     com  r25
     sts  player + PLAYER_LATE, r24
     sts  player + PLAYER_LATE + 1, r25
-    sbi  _SFR_IO_ADDR(GPIOR0), 7
+    sbi  WANT, IS_LATE
 8:
 .endm
 
-// One movement: r18 low, r19 high; afterwards they are those of the next one. While the strobe is
-// low, the reading before (r23) is kept and compared with r26, what is quiet; r25 gathers.
-.macro movement number
+// One movement: r18 low, r19 high// afterwards they are those of the next one, and r23 is the
+// reading. While the strobe is low, the reading before is compared with r26, what is quiet: r25
+// gathers the differences, `kept` keeps it.
+.macro movement number kept
     out  _SFR_IO_ADDR(PORT_LOW), r18
-    mov  r21, r19
     out  _SFR_IO_ADDR(PORT_HIGH), r19
-    andi r21, STROBE_LOW
-    out  _SFR_IO_ADDR(PORT_HIGH), r21
+    cbi  _SFR_IO_ADDR(PORT_HIGH), STROBE_BIT
     lds  r18, beat + BEAT_ENTRY * (\number + 1)
-    lds  r22, beat + BEAT_ENTRY * (\number + 1) + 1
+    lds  r19, beat + BEAT_ENTRY * (\number + 1) + 1
 .if \number
-    sts  beat + BEAT_PINS + \number - 1, r23
     eor  r23, r26
     or   r25, r23
+    mov  \kept, r23
 .else
-    rjmp .+0
-    rjmp .+0
+    lds  r26, beat + BEAT_QUIET
+    lds  r25, beat + BEAT_RESTLESS
 .endif
-    out  _SFR_IO_ADDR(PORT_HIGH), r19
+    sbi  _SFR_IO_ADDR(PORT_HIGH), STROBE_BIT
     in   r23, _SFR_IO_ADDR(PIN_STATUS)
-    mov  r19, r22
     cpi  r20, lo8(beat + BEAT_ENTRY * (\number + 1))
 .endm
 
@@ -92,57 +96,82 @@ beat:
     rjmp 6f
 5:  clr  r22
 6:  std  Z + MOTOR_PHASE, r22
+    ldd  r23, Z + MOTOR_BIT
+    or   r25, r23
     ldd  r23, Z + MOTOR_HIGH
 #if DATA_HIGH_MASK
-    ldd  r24, Z + MOTOR_BIT
-    subi r22, lo8(-(tracks))
     mov  r30, r22
     ld   r22, Z
 #else                               // the motor bits are in the same port as the table's
     ldd  r24, Z + MOTOR_LOW
-    subi r22, lo8(-(tracks))
     mov  r30, r22
     ld   r22, Z
     or   r22, r24
-    ldd  r30, Y + \offset
-    ldd  r24, Z + MOTOR_BIT
 #endif
-    or   r25, r24
     st   X+, r22
     st   X+, r23
-    st   X+, r24
 .endm
 
-.macro minor number
+// A minor's sum goes on, in r23:r22 or r24:r23:r22// a carry is a step, and the limit is taken off.
+.macro load_sum number bytes
     ldd  r22, Y + MINOR_SIZE * \number + MINOR_SUM
     ldd  r30, Y + MINOR_SIZE * \number + MINOR_ADD
     add  r22, r30
     ldd  r23, Y + MINOR_SIZE * \number + MINOR_SUM + 1
     ldd  r30, Y + MINOR_SIZE * \number + MINOR_ADD + 1
     adc  r23, r30
+.if \bytes == 3
     ldd  r24, Y + MINOR_SIZE * \number + MINOR_SUM + 2
     ldd  r30, Y + MINOR_SIZE * \number + MINOR_ADD + 2
     adc  r24, r30
-    brcs 3f
+.endif
+.endm
+
+.macro store_sum number bytes
     std  Y + MINOR_SIZE * \number + MINOR_SUM, r22
     std  Y + MINOR_SIZE * \number + MINOR_SUM + 1, r23
+.if \bytes == 3
     std  Y + MINOR_SIZE * \number + MINOR_SUM + 2, r24
-    rjmp 4f
-3:  ldd  r30, Y + BLOCK_LIMIT
+.endif
+.endm
+
+.macro take_off_limit bytes
+    ldd  r30, Y + BLOCK_LIMIT
     sub  r22, r30
     ldd  r30, Y + BLOCK_LIMIT + 1
     sbc  r23, r30
+.if \bytes == 3
     ldd  r30, Y + BLOCK_LIMIT + 2
     sbc  r24, r30
-    std  Y + MINOR_SIZE * \number + MINOR_SUM, r22
-    std  Y + MINOR_SIZE * \number + MINOR_SUM + 1, r23
-    std  Y + MINOR_SIZE * \number + MINOR_SUM + 2, r24
+.endif
+.endm
+
+// One minor, or the end of them at `done`.
+.macro minor number bytes done
+    dec  r21
+    brpl 1f
+    rjmp \done
+1:  load_sum \number \bytes
+    brcs 3f
+    store_sum \number \bytes
+    rjmp 4f
+3:  take_off_limit \bytes
+    store_sum \number \bytes
+.if \bytes == 2
     move (MINOR_SIZE * \number + MINOR_MOVER)
+.else
+    adiw r28, MINOR_SIZE * \number + MINOR_MOVER
+    rcall move_at_y
+    sbiw r28, MINOR_SIZE * \number + MINOR_MOVER
+.endif
 4:
 .endm
 
-// A byte has come, the UART's status is in r22: line_take() of line.h. Uses r21, r23, Z.
+// A byte has come, the UART's status is in r22: line_poll() of line.h. Uses r21, r23, Z.
 .macro receive_byte
+    lds  r30, line + LINE_IS_HELD
+    tst  r30
+    brne 1f
     lds  r30, line + LINE_HEAD
     ldi  r31, 0
     mov  r21, r30
@@ -170,7 +199,109 @@ beat:
     pop  r0
 .endm
 
+.macro load_block
+    lds  r28, player + PLAYER_BLOCK
+    lds  r29, player + PLAYER_BLOCK + 1
+.endm
+
+// Of player.done, and of the piece's end in r21, to another byte.
+.macro load_done byte
+    lds  r18, player + PLAYER_DONE + \byte
+    ldd  r21, Y + BLOCK_PIECE_END + \byte
+.endm
+
+// A tick more is done, r18 of them in the lowest byte// to `carried` if there are more to count.
+.macro count_tick carried
+    lds  r18, player + PLAYER_DONE
+    inc  r18
+    sts  player + PLAYER_DONE, r18
+    breq \carried
+.endm
+
+.macro count_higher back
+    lds  r19, player + PLAYER_DONE + 1
+    inc  r19
+    sts  player + PLAYER_DONE + 1, r19
+    brne \back
+    lds  r19, player + PLAYER_DONE + 2
+    inc  r19
+    sts  player + PLAYER_DONE + 2, r19
+    rjmp \back
+.endm
+
+// The interval goes on along its ramp: r19:r18 in cycles, FAR_HIGH or more in r19 if it leaves what
+// is usual. (`add` and the interval are below FAR_HIGH << 15 and << 16: so three bytes say it.)
+.macro go_on_ramp
+    ldd  r18, Y + BLOCK_INTERVAL
+    ldd  r22, Y + BLOCK_ADD
+    add  r18, r22
+    std  Y + BLOCK_INTERVAL, r18
+    ldd  r18, Y + BLOCK_INTERVAL + 1
+    ldd  r22, Y + BLOCK_ADD + 1
+    adc  r18, r22
+    std  Y + BLOCK_INTERVAL + 1, r18
+    ldd  r19, Y + BLOCK_INTERVAL + 2
+    ldd  r22, Y + BLOCK_ADD + 2
+    adc  r19, r22
+    std  Y + BLOCK_INTERVAL + 2, r19
+.endm
+
+// The fourth byte, where the interval is no longer usual: it has become long, or less than nothing.
+.macro complete_ramp
+    ldi  r21, 0
+    cpi  r19, 0xC0
+    brlo 1f
+    com  r21
+1:  std  Y + BLOCK_INTERVAL + 3, r21
+.endm
+
+.macro double_share number
+    ldd  r22, Y + MINOR_SIZE * \number + MINOR_ADD
+    lsl  r22
+    std  Y + MINOR_SIZE * \number + MINOR_ADD, r22
+    ldd  r22, Y + MINOR_SIZE * \number + MINOR_ADD + 1
+    rol  r22
+    std  Y + MINOR_SIZE * \number + MINOR_ADD + 1, r22
+    ldd  r22, Y + MINOR_SIZE * \number + MINOR_ADD + 2
+    rol  r22
+    std  Y + MINOR_SIZE * \number + MINOR_ADD + 2, r22
+.endm
+
+.macro halve_share number
+    ldd  r22, Y + MINOR_SIZE * \number + MINOR_ADD + 2
+    lsr  r22
+    std  Y + MINOR_SIZE * \number + MINOR_ADD + 2, r22
+    ldd  r22, Y + MINOR_SIZE * \number + MINOR_ADD + 1
+    ror  r22
+    std  Y + MINOR_SIZE * \number + MINOR_ADD + 1, r22
+    ldd  r22, Y + MINOR_SIZE * \number + MINOR_ADD
+    ror  r22
+    std  Y + MINOR_SIZE * \number + MINOR_ADD, r22
+.endm
+
+// End, interval, add and whether it is the last: all but its ramps.
+.macro copy_piece
+    .set copied, 0
+    .rept PIECE_RAMPS
+    ldd  r24, Z + copied
+    std  Y + BLOCK_PIECE_END + copied, r24
+    .set copied, copied + 1
+    .endr
+.endm
+
+// player.cycles becomes player.last_cycles// both are below 1 << 16, as all that is usual.
+.macro keep_last
+    clr  r22
+    sts  player + PLAYER_LAST + 2, r22
+    sts  player + PLAYER_LAST + 3, r22
+    lds  r22, player + PLAYER_CYCLES
+    sts  player + PLAYER_LAST, r22
+    lds  r22, player + PLAYER_CYCLES + 1
+    sts  player + PLAYER_LAST + 1, r22
+.endm
+
 .global TIMER1_COMPA_vect
+.type TIMER1_COMPA_vect, @function
 TIMER1_COMPA_vect:
     movw r2, r24
     movw r4, r30
@@ -180,21 +311,20 @@ TIMER1_COMPA_vect:
     movw r12, r26
     movw r14, r28
     in   r24, _SFR_IO_ADDR(SREG)
-    out  _SFR_IO_ADDR(GPIOR1), r24
+    out  SAVED_SREG, r24
 
 again:
-    lds  r25, player + PLAYER_MODE
-    cpi  r25, MODE_PHASES
+    in   r25, MODE
+    tst  r25
     breq phases
-    cpi  r25, MODE_FAST_RISE
-    brlo 1f
-    breq jump_rise
-    rjmp fall
-jump_rise:
+    sbrc r25, MODE_RISES
     rjmp rise
-1:
+    sbrc r25, MODE_FALLS
+    rjmp fall
     call_c player_play              // anything but a usual beat
     rjmp called
+
+// ---- Phase card
 
 phases:
     lds  r18, beat
@@ -202,34 +332,37 @@ phases:
     lds  r20, beat + BEAT_END
     lds  r24, player + PLAYER_DUE
     lds  r25, player + PLAYER_DUE + 1
-    lds  r26, beat + BEAT_QUIET
-    lds  r27, beat + BEAT_RESTLESS
     wait_out
-    mov  r25, r27
     movement 0
-    ldi  r30, lo8(beat + BEAT_PINS)
     breq written
-    movement 1
-    ldi  r30, lo8(beat + BEAT_PINS + 1)
+    movement 1 r21
     breq written
-    movement 2
-    ldi  r30, lo8(beat + BEAT_PINS + 2)
+    movement 2 r22
     breq written
-    movement 3
-    ldi  r30, lo8(beat + BEAT_PINS + 3)
+    movement 3 r27
 written:
     lds  r24, beat + BEAT_MIND
-    mov  r27, r23
     eor  r23, r26
     or   r25, r23
     and  r25, r24
     breq examined
-    ldi  r31, hi8(beat + BEAT_PINS) // all of beat is in one page
-    st   Z, r27
+    eor  r21, r26
+    sts  beat + BEAT_PINS, r21
+    eor  r22, r26
+    sts  beat + BEAT_PINS + 1, r22
+    eor  r27, r26
+    sts  beat + BEAT_PINS + 2, r27
+    eor  r23, r26
+    mov  r30, r20                   // the last one goes where the last movement is in its list
+    subi r30, lo8(beat)
+    lsr  r30
+    subi r30, lo8(-(beat + BEAT_PINS - 1))
+    ldi  r31, hi8(beat)
+    st   Z, r23
     call_c inputs_examine_beat
 examined:
     lds  r20, player + PLAYER_BEATS_LEFT
-    sbic _SFR_IO_ADDR(GPIOR0), 7
+    sbic WANT, IS_LATE
     rjmp late
 not_late:
     tst  r20
@@ -238,87 +371,69 @@ not_late:
     lds  r25, beat + BEAT_MASK
     or   r24, r25
     sts  player + PLAYER_MOVED, r24
+prepare_new:
+    load_block
     rjmp prepare
 
+done_higher:
+    count_higher done_counted
+perhaps_at_end:
+    load_done 1
+    cp   r18, r21
+    brne within_piece
+    load_done 2
+    cp   r18, r21
+    brne within_piece
+    rjmp at_end
+no_usual_tick:
+    cpi  r25, RAMP_SLOW
+    breq slow_tick
+    in   r24, WANT
+    tst  r24
+    breq 1f
+    rcall dry_is_ahead
+    breq slow_tick
+    tst  r25
+    breq prepare
+1:  rjmp ramp
 slow_tick:
     call_c player_tick
-called:                             // r24: 0, the timer is stopped; 0xFF: it is set; or beats
-    tst  r24
-    breq jump_restore
-    mov  r20, r24
-    cpi  r24, 0xFF
-    breq finish
-    rjmp prepare
-finish:
-    lds  r24, OCR1AL
-    lds  r25, OCR1AH
-    rjmp poll
-jump_restore:
-    rjmp restore
+    rjmp called
 
 tick_done:
     sts  player + PLAYER_MOVED, r20
-    lds  r18, player + PLAYER_DONE
-    lds  r19, player + PLAYER_DONE + 1
-    lds  r20, player + PLAYER_DONE + 2
-    subi r18, 0xFF
-    sbci r19, 0xFF
-    sbci r20, 0xFF
-    sts  player + PLAYER_DONE, r18
-    sts  player + PLAYER_DONE + 1, r19
-    sts  player + PLAYER_DONE + 2, r20
-    lds  r21, player + PLAYER_PIECE_END
+    load_block
+    count_tick done_higher
+done_counted:
+    ldd  r21, Y + BLOCK_PIECE_END
     cp   r18, r21
-    lds  r21, player + PLAYER_PIECE_END + 1
-    cpc  r19, r21
-    lds  r21, player + PLAYER_PIECE_END + 2
-    cpc  r20, r21
-    breq slow_tick
-    in   r24, _SFR_IO_ADDR(GPIOR0)
-    lds  r25, player + PLAYER_RAMPS
-    cpi  r25, RAMP_SLOW
-    breq slow_tick
-    tst  r24
-    brne slow_tick
-    lds  r20, player + PLAYER_BEATS
-    tst  r25
-    breq prepare
-    rjmp ramp
+    breq perhaps_at_end
+within_piece:
+    in   r24, WANT
+    ldd  r25, Y + BLOCK_RAMPS
+    ldd  r20, Y + BLOCK_BEATS
+    or   r24, r25
+    brne no_usual_tick
 
 prepare:                            // r20: beats left
-    lds  r28, player + PLAYER_BLOCK
-    lds  r29, player + PLAYER_BLOCK + 1
     ldi  r26, lo8(beat)
     ldi  r27, hi8(beat)
     ldi  r31, hi8(tracks)
-    clr  r18
-    clr  r19
     clr  r25
-next_beat:
-    lds  r22, player + PLAYER_BEAT_CYCLES
-    lds  r23, player + PLAYER_BEAT_CYCLES + 1
-    add  r18, r22
-    adc  r19, r23
-    ldd  r21, Y + BLOCK_MINORS
+    ldd  r18, Y + BLOCK_BEAT_CYCLES
+    ldd  r19, Y + BLOCK_BEAT_CYCLES + 1
+this_beat:                          // r25 is 0: no motor has moved yet
+    ldd  r21, Y + BLOCK_NARROW
     dec  r20
     brne minors
-    lds  r22, player + PLAYER_LAG
+    ldd  r22, Y + BLOCK_LAG
     add  r18, r22
-    brcc 1f
-    inc  r19
-1:  move BLOCK_LEADER
+    adc  r19, r25
+    move BLOCK_LEADER
 minors:
-    dec  r21
-    brpl 1f
-    rjmp minors_done
-1:  minor 0
-    dec  r21
-    brpl 1f
-    rjmp minors_done
-1:  minor 1
-    dec  r21
-    brmi minors_done
-    minor 2
+    minor 0 2 none_narrow
+    minor 1 2 minors_done
+    minor 2 2 minors_done
 minors_done:
     tst  r20
     breq prepared
@@ -327,7 +442,12 @@ minors_done:
     lds  r22, UCSR0A                // many empty beats take longer than two bytes
     sbrc r22, RXC0
     rjmp take_byte_early
-    rjmp next_beat
+next_beat:
+    ldd  r22, Y + BLOCK_BEAT_CYCLES
+    ldd  r23, Y + BLOCK_BEAT_CYCLES + 1
+    add  r18, r22
+    adc  r19, r23
+    rjmp this_beat
 prepared:
     sts  player + PLAYER_BEATS_LEFT, r20
     sts  beat + BEAT_MASK, r25
@@ -339,8 +459,7 @@ prepared_wait:                      // r19:r18 after the deadline before
     adc  r25, r19
     sts  player + PLAYER_DUE, r24
     sts  player + PLAYER_DUE + 1, r25
-    lds  r22, player + PLAYER_EARLY
-    sub  r24, r22
+    subi r24, EARLY_CYCLES
     sbci r25, 0
     sts  OCR1AH, r25
     sts  OCR1AL, r24
@@ -356,7 +475,7 @@ polled:
     sbiw r24, NEAR_CYCLES
     brlt too_near
 restore:
-    in   r24, _SFR_IO_ADDR(GPIOR1)
+    in   r24, SAVED_SREG
     out  _SFR_IO_ADDR(SREG), r24
     movw r28, r14
     movw r26, r12
@@ -367,12 +486,26 @@ restore:
     movw r24, r2
     reti
 
+called:                             // r24: 0, the timer is stopped// 0xFF: it is set// or beats
+    tst  r24
+    breq restore
+    mov  r20, r24
+    cpi  r24, 0xFF
+    breq 1f
+    rjmp prepare_new
+1:  lds  r24, OCR1AL
+    lds  r25, OCR1AH
+    rjmp poll
+
 too_near:                           // the match may have passed: play on from here
+    in   r24, MODE
+    sbrc r24, MODE_FALLS
+    rjmp 1f                         // as near to its edge as it likes
     lds  r24, player + PLAYER_PATIENCE
     dec  r24
     sts  player + PLAYER_PATIENCE, r24
     breq give_way
-    sbi  _SFR_IO_ADDR(TIFR1), OCF1A
+1:  sbi  _SFR_IO_ADDR(TIFR1), OCF1A
     rjmp again
 
 // The main loop has had no turn for long: it gets some instructions, whatever comes late by it.
@@ -396,40 +529,164 @@ take_byte_early:
     ldi  r31, hi8(tracks)
     rjmp next_beat
 
+none_narrow:
+    ldd  r21, Y + BLOCK_WIDE
+    minor 0 3 minors_done
+    minor 1 3 minors_done
+    minor 2 3 minors_done
+    rjmp minors_done
+move_at_y:
+    move 0
+    ret
+
+at_end:
+    rcall go_over
+    brne block_begins
+    rcall next_piece
+    brne piece_begins
+    rjmp slow_tick
+piece_begins:
+    keep_last
+    ldd  r18, Y + BLOCK_INTERVAL + 1
+    ldd  r19, Y + BLOCK_INTERVAL + 2
+    ldd  r20, Y + BLOCK_BEATS
+    rjmp divide
+block_begins:
+    keep_last
+    ldd  r22, Y + BLOCK_ENTRY
+    sts  player + PLAYER_CYCLES, r22
+    ldd  r22, Y + BLOCK_ENTRY + 1
+    sts  player + PLAYER_CYCLES + 1, r22
+    ldd  r20, Y + BLOCK_BEATS
+    rjmp prepare
+
+// What is wished (r24) is only a look at the dry point, and that is still ahead: else Z is set.
+// Uses r18, r22.
+dry_is_ahead:
+    cpi  r24, 1 << MAY_RUN_DRY
+    brne 3f
+    lds  r18, throttle + THROTTLE_DRY_POINT
+    tst  r18
+    breq 1f
+    lds  r18, player + PLAYER_SERIAL
+    lds  r22, throttle + THROTTLE_DRY_SERIAL
+    cp   r18, r22
+    lds  r18, player + PLAYER_SERIAL + 1
+    lds  r22, throttle + THROTTLE_DRY_SERIAL + 1
+    cpc  r18, r22
+    brmi 1f
+    brne 3f
+    lds  r18, player + PLAYER_DONE
+    lds  r22, throttle + THROTTLE_DRY_TICK
+    cp   r18, r22
+    lds  r18, player + PLAYER_DONE + 1
+    lds  r22, throttle + THROTTLE_DRY_TICK + 1
+    cpc  r18, r22
+    lds  r18, player + PLAYER_DONE + 2
+    lds  r22, throttle + THROTTLE_DRY_TICK + 2
+    cpc  r18, r22
+    brsh 3f
+    clz
+    ret
+1:  cbi  WANT, MAY_RUN_DRY          // it has moved on
+    clz
+    ret
+3:  sez
+    ret
+
+// The next block in hand, at the end of the last piece of the one before// Z set: that is a matter
+// for C. Uses r18, r24, r25.
+go_over:
+    in   r24, WANT
+    lds  r18, player + PLAYER_IS_MINDED
+    or   r24, r18
+    brne 1f
+    ldd  r18, Y + BLOCK_PIECE_IS_LAST
+    lds  r25, player + PLAYER_NEXT + 1
+    and  r18, r18
+    breq 2f
+    tst  r25                        // no address has the high byte 0
+    breq 2f
+    lds  r24, player + PLAYER_NEXT
+    movw r28, r24
+    sts  player + PLAYER_BLOCK, r28
+    sts  player + PLAYER_BLOCK + 1, r29
+    sts  player + PLAYER_LIMITS_OWED, r29
+    ldd  r18, Y + BLOCK_SERIAL
+    sts  player + PLAYER_SERIAL, r18
+    ldd  r18, Y + BLOCK_SERIAL + 1
+    sts  player + PLAYER_SERIAL + 1, r18
+    lds  r18, player + PLAYER_TAKEN
+    inc  r18
+    sts  player + PLAYER_TAKEN, r18
+    clr  r18
+    sts  player + PLAYER_NEXT + 1, r18
+    sts  player + PLAYER_DONE, r18
+    sts  player + PLAYER_DONE + 1, r18
+    sts  player + PLAYER_DONE + 2, r18
+    sts  player + PLAYER_CHOSEN_AT, r18
+    sts  player + PLAYER_CHOSEN_AT + 1, r18
+    sts  player + PLAYER_CHOSEN_AT + 2, r18
+    tst  r29
+    ret
+1:  sez
+2:  ret
+
+// The next piece of the block in hand, likewise. Uses r18, r24, r25, Z.
+next_piece:
+    in   r24, WANT
+    ldd  r18, Y + BLOCK_PIECE_IS_LAST
+    or   r24, r18
+    brne 1b
+    lds  r18, piece_tail
+    lds  r24, piece_head
+    cp   r18, r24
+    breq 2b
+    mov  r30, r18                   // 13 times: PIECE_SIZE
+    lsl  r30
+    lsl  r30
+    mov  r31, r30
+    lsl  r30
+    add  r30, r31
+    add  r30, r18
+    clr  r31
+    subi r30, lo8(-(pieces))
+    sbci r31, hi8(-(pieces))
+    ldd  r25, Z + PIECE_RAMPS
+    cpi  r25, RAMP_SLOW
+    breq 2b
+    std  Y + BLOCK_RAMPS, r25
+    copy_piece
+    inc  r18
+    andi r18, PIECES - 1
+    sts  piece_tail, r18
+    lds  r24, player + PLAYER_DONE
+    sts  player + PLAYER_CHOSEN_AT, r24
+    lds  r24, player + PLAYER_DONE + 1
+    sts  player + PLAYER_CHOSEN_AT + 1, r24
+    lds  r24, player + PLAYER_DONE + 2
+    sts  player + PLAYER_CHOSEN_AT + 2, r24
+    clz
+    ret
+
+// The tick is chosen, but its interval is none for beats.S.
+ramp_ends:
+    complete_ramp
+    call_c player_tick_chosen
+    rjmp called
+
 // The interval changes from tick to tick// its number of beats seldom does.
 ramp:
-    lds  r18, player + PLAYER_INTERVAL
-    lds  r22, player + PLAYER_ADD
-    add  r18, r22
-    sts  player + PLAYER_INTERVAL, r18
-    lds  r18, player + PLAYER_INTERVAL + 1
-    lds  r22, player + PLAYER_ADD + 1
-    adc  r18, r22
-    sts  player + PLAYER_INTERVAL + 1, r18
-    lds  r19, player + PLAYER_INTERVAL + 2
-    lds  r22, player + PLAYER_ADD + 2
-    adc  r19, r22
-    sts  player + PLAYER_INTERVAL + 2, r19
-    lds  r21, player + PLAYER_INTERVAL + 3
-    lds  r22, player + PLAYER_ADD + 3
-    adc  r21, r22
-    sts  player + PLAYER_INTERVAL + 3, r21
-    lds  r22, player + PLAYER_CYCLES
-    sts  player + PLAYER_LAST, r22
-    lds  r22, player + PLAYER_CYCLES + 1
-    sts  player + PLAYER_LAST + 1, r22
-    tst  r21
-    brne ramp_slowly
-    sts  player + PLAYER_LAST + 2, r21
-    sts  player + PLAYER_LAST + 3, r21
+    go_on_ramp
     cpi  r19, FAR_HIGH
-    brsh ramp_slowly
+    brsh ramp_ends
+divide:
     sts  player + PLAYER_CYCLES, r18
     sts  player + PLAYER_CYCLES + 1, r19
     movw r22, r18
     ldi  r21, 1
-    lds  r24, player + PLAYER_SHORTEST // twice the shortest beat// 0xFFFF: ticks are not divided
-    lds  r25, player + PLAYER_SHORTEST + 1
+    ldd  r24, Y + BLOCK_SHORTEST
+    ldd  r25, Y + BLOCK_SHORTEST + 1
 1:  cpi  r21, 8
     breq 2f
     cp   r22, r24
@@ -439,28 +696,39 @@ ramp:
     ror  r22
     lsl  r21
     rjmp 1b
-2:  cp   r21, r20
-    brne ramp_slowly
-    sts  player + PLAYER_BEAT_CYCLES, r22
-    sts  player + PLAYER_BEAT_CYCLES + 1, r23
+2:  std  Y + BLOCK_BEAT_CYCLES, r22
+    std  Y + BLOCK_BEAT_CYCLES + 1, r23
+    cp   r20, r21
+    brne beats_change
+beats_known:
     dec  r21
     and  r21, r18
-    sts  player + PLAYER_LAG, r21
+    std  Y + BLOCK_LAG, r21
     rjmp prepare
 
-// The tick is chosen (player.interval_q8), but not as usual.
-ramp_slowly:
-    call_c player_tick_chosen
-    mov  r20, r24
-    cpi  r24, 0xFF
-    breq 1f
-    rjmp prepare
-1:  rjmp finish
+// From r20 beats to r21: the minors' shares in a beat double or halve.
+beats_change:
+    std  Y + BLOCK_BEATS, r21
+    brlo 4f
+3:  double_share 0
+    double_share 1
+    double_share 2
+    lsr  r20
+    cp   r20, r21
+    brne 3b
+    rjmp beats_known
+4:  halve_share 0
+    halve_share 1
+    halve_share 2
+    lsl  r20
+    cp   r20, r21
+    brne 4b
+    rjmp beats_known
 
 // A write came late: from a quarter of the interval on it is counted, and all that follows moves
 // (player.c: note_late).
 late:
-    cbi  _SFR_IO_ADDR(GPIOR0), 7
+    cbi  WANT, IS_LATE
     lds  r22, player + PLAYER_LATE
     lds  r23, player + PLAYER_LATE + 1
     lds  r24, player + PLAYER_CYCLES
@@ -487,21 +755,20 @@ late:
     sts  player + PLAYER_DUE + 1, r25
 3:  rjmp not_late
 
-// ---- Clock lines: an edge, half an interval later the fall; then the next interval is chosen.
+// ---- Clock lines: an edge, half an interval later the fall// then the next interval is chosen.
 
 // r18, r19: two port bytes, at their cycle.
 .macro write_pair_at_due
     lds  r24, player + PLAYER_DUE
     lds  r25, player + PLAYER_DUE + 1
     wait_out
-    nop                             // as long as a beat of a phase card
     out  _SFR_IO_ADDR(PORT_LOW), r18
     out  _SFR_IO_ADDR(PORT_HIGH), r19
 .endm
 
 // The next deadline is r19:r18 after this one, its mode r20.
 set_timer:
-    sts  player + PLAYER_MODE, r20
+    out  MODE, r20
     rjmp prepared_wait
 
 rise:
@@ -509,51 +776,59 @@ rise:
     lds  r19, beat + 1
     write_pair_at_due
     in   r23, _SFR_IO_ADDR(PIN_STATUS)
-    sts  beat + BEAT_PINS, r23
     lds  r24, beat + BEAT_QUIET
-    eor  r23, r24
-    lds  r24, beat + BEAT_RESTLESS
-    or   r23, r24
-    lds  r24, beat + BEAT_MIND
-    and  r23, r24
+    eor  r24, r23
+    lds  r25, beat + BEAT_RESTLESS
+    or   r24, r25
+    lds  r25, beat + BEAT_MIND
+    and  r24, r25
     breq 1f
+    sts  beat + BEAT_PINS, r23
     call_c inputs_examine_beat
-1:  sbic _SFR_IO_ADDR(GPIOR0), 7
+1:  sbic WANT, IS_LATE
     rjmp late_rise
 rise_counted:
-    lds  r18, player + PLAYER_DONE
-    lds  r19, player + PLAYER_DONE + 1
-    lds  r20, player + PLAYER_DONE + 2
-    subi r18, 0xFF
-    sbci r19, 0xFF
-    sbci r20, 0xFF
-    sts  player + PLAYER_DONE, r18
-    sts  player + PLAYER_DONE + 1, r19
-    sts  player + PLAYER_DONE + 2, r20
-    lds  r25, player + PLAYER_RAMPS
+    load_block
+    count_tick rise_higher
+rise_done_counted:
+    ldd  r21, Y + BLOCK_PIECE_END
+    cp   r18, r21
+    breq rise_perhaps_last
+rise_within_piece:
+    ldd  r25, Y + BLOCK_RAMPS
     cpi  r25, RAMP_STEADY
-    brne 5f
+    brne rise_unsteady
     lds  r18, player + PLAYER_FALL
     lds  r19, player + PLAYER_FALL + 1
-    rjmp fall_known
-5:  cpi  r25, RAMP_FAST
+    ldi  r20, MODE_STEADY_FALL
+    rjmp make_out
+
+rise_higher:
+    count_higher rise_done_counted
+rise_perhaps_last:                  // if so, the next piece or block is seen to after the fall
+    load_done 1
+    cp   r18, r21
+    brne rise_within_piece
+    load_done 2
+    cp   r18, r21
+    brne rise_within_piece
+    rcall find_fall
+    ldi  r20, MODE_LAST_FALL
+    rjmp set_timer
+rise_unsteady:
+    rcall find_fall
+    ldi  r20, MODE_FAST_FALL
+    rjmp make_out
+
+// From the edge to the fall, in r19:r18// a ramp goes on.
+find_fall:
+    ldd  r25, Y + BLOCK_RAMPS
+    cpi  r25, RAMP_FAST
     brne 2f
-    lds  r18, player + PLAYER_INTERVAL
-    lds  r22, player + PLAYER_ADD
-    add  r18, r22
-    sts  player + PLAYER_INTERVAL, r18
-    lds  r18, player + PLAYER_INTERVAL + 1
-    lds  r22, player + PLAYER_ADD + 1
-    adc  r18, r22
-    sts  player + PLAYER_INTERVAL + 1, r18
-    lds  r18, player + PLAYER_INTERVAL + 2
-    lds  r22, player + PLAYER_ADD + 2
-    adc  r18, r22
-    sts  player + PLAYER_INTERVAL + 2, r18
-    lds  r18, player + PLAYER_INTERVAL + 3
-    lds  r22, player + PLAYER_ADD + 3
-    adc  r18, r22
-    sts  player + PLAYER_INTERVAL + 3, r18
+    go_on_ramp
+    cpi  r19, FAR_HIGH
+    brlo 2f
+    complete_ramp
 2:  lds  r18, player + PLAYER_PLAN
     lds  r19, player + PLAYER_PLAN + 1
     lsr  r19
@@ -570,18 +845,9 @@ rise_counted:
     adc  r23, r19
     sts  player + PLAYER_NOT_BEFORE, r22
     sts  player + PLAYER_NOT_BEFORE + 1, r23
-fall_known:
-    lds  r24, player + PLAYER_DONE
-    lds  r22, player + PLAYER_PIECE_END
-    cp   r24, r22
-    breq 4f                         // perhaps the end of the piece: then C sees to it
-    rcall make_out
-    ldi  r24, 1
-    sts  player + PLAYER_IS_MADE_OUT, r24
-4:  ldi  r20, MODE_FAST_FALL
-    rjmp set_timer
+    ret
 
-// Up to a quarter of its interval a write may be late without more ado; of a fall's, an eighth of
+// Up to a quarter of its interval a write may be late without more ado// of a fall's, an eighth of
 // the whole.
 .macro excuse shifts back
     lds  r22, player + PLAYER_LATE
@@ -592,7 +858,7 @@ fall_known:
     lsr  r25
     ror  r24
 .endr
-    cbi  _SFR_IO_ADDR(GPIOR0), 7
+    cbi  WANT, IS_LATE
     cp   r24, r22
     cpc  r25, r23
     brlo 1f
@@ -604,48 +870,60 @@ late_rise:
     excuse 2 rise_counted
 late_fall:
     excuse 3 fallen
-slow_fall:
-    call_c player_fell
-    rjmp called
 
 fall:
     lds  r18, beat + BEAT_REST
     lds  r19, beat + BEAT_REST + 1
     write_pair_at_due
-    sbic _SFR_IO_ADDR(GPIOR0), 7
+    sbic WANT, IS_LATE
     rjmp late_fall
-    rjmp fallen
-jump_slow_fall:
-    rjmp slow_fall
 fallen:
-    lds  r18, player + PLAYER_DONE
-    lds  r21, player + PLAYER_PIECE_END
-    cp   r18, r21
-    lds  r18, player + PLAYER_DONE + 1
-    lds  r21, player + PLAYER_PIECE_END + 1
-    cpc  r18, r21
-    lds  r18, player + PLAYER_DONE + 2
-    lds  r21, player + PLAYER_PIECE_END + 2
-    cpc  r18, r21
-    breq jump_slow_fall
-    in   r24, _SFR_IO_ADDR(GPIOR0)
+    in   r24, WANT
+    in   r20, MODE
     tst  r24
-    brne jump_slow_fall
-    lds  r25, player + PLAYER_RAMPS
-    cpi  r25, RAMP_SLOW
-    breq jump_slow_fall
+    brne fall_wished
+fall_unwished:
+    cpi  r20, MODE_STEADY_FALL
+    brne fall_unsteady
     lds  r18, player + PLAYER_WAIT
     lds  r19, player + PLAYER_WAIT + 1
-    ldi  r20, 0
+to_rise:
+    ldi  r20, MODE_FAST_RISE
+    rjmp set_timer
+
+fall_wished:
+    cpi  r20, MODE_LAST_FALL
+    breq slow_fall
+    rcall dry_is_ahead
+    brne fall_unwished
+slow_fall:                          // r20: the mode says whether the next edge is made out
+    ldi  r24, 1
+    cpi  r20, MODE_LAST_FALL
+    brne 1f
+    ldi  r24, 0
+1:  sts  player + PLAYER_IS_MADE_OUT, r24
+    call_c player_fell
+    rjmp called
+
+fall_unsteady:
+    load_block
+    cpi  r20, MODE_LAST_FALL
+    brne 1f
+    rcall go_over
+    brne 1f
+    rcall next_piece
+    breq slow_fall
+1:  ldd  r25, Y + BLOCK_RAMPS
+    cpi  r25, RAMP_SLOW
+    breq slow_fall
+    lds  r18, player + PLAYER_WAIT
+    lds  r19, player + PLAYER_WAIT + 1
     cpi  r25, RAMP_STEADY
     breq wait_known
-    lds  r20, player + PLAYER_INTERVAL + 3
-    tst  r20
-    brne jump_slow_fall
-    lds  r18, player + PLAYER_INTERVAL + 1
-    lds  r19, player + PLAYER_INTERVAL + 2
+    ldd  r18, Y + BLOCK_INTERVAL + 1
+    ldd  r19, Y + BLOCK_INTERVAL + 2
     cpi  r19, FAR_HIGH
-    brsh jump_slow_fall
+    brsh slow_fall
     sts  player + PLAYER_PLAN, r18
     sts  player + PLAYER_PLAN + 1, r19
     lds  r22, player + PLAYER_NOT_BEFORE
@@ -654,10 +932,7 @@ fallen:
     cpc  r19, r23
     brsh 1f
     movw r18, r22
-1:  lds  r22, player + PLAYER_CYCLES
-    sts  player + PLAYER_LAST, r22
-    lds  r22, player + PLAYER_CYCLES + 1
-    sts  player + PLAYER_LAST + 1, r22
+1:  keep_last
     sts  player + PLAYER_CYCLES, r18
     sts  player + PLAYER_CYCLES + 1, r19
     lds  r22, player + PLAYER_FALL
@@ -672,60 +947,35 @@ fallen:
     tst  r25
     brne 1f
     ldi  r24, RAMP_SETTLING
-1:  sts  player + PLAYER_RAMPS, r24
+1:  std  Y + BLOCK_RAMPS, r24
 wait_known:
-    lds  r24, player + PLAYER_IS_MADE_OUT
-    tst  r24
-    breq jump_make_out
-    sts  player + PLAYER_IS_MADE_OUT, r20
-to_rise:
-    ldi  r20, MODE_FAST_RISE
-    rjmp set_timer
-jump_make_out:
-    rcall make_out
+    cpi  r20, MODE_LAST_FALL
+    breq 1f
     rjmp to_rise
+1:  ldi  r20, MODE_FAST_RISE
 
-// The motors of the next edge, into beat. Keeps r18 and r19.
+// The motors of the next edge, into beat// then the timer is set. Keeps r18 to r20.
 make_out:
-    lds  r28, player + PLAYER_BLOCK
-    lds  r29, player + PLAYER_BLOCK + 1
-    ldd  r25, Y + BLOCK_LEADER + 1  // motors
-    lds  r26, card + CARD_DATA      // data byte
-    ldd  r24, Y + BLOCK_LEADER
-    eor  r26, r24
-    ldd  r21, Y + BLOCK_MINORS
-.macro clock_minor number
+    ldd  r26, Y + BLOCK_LEADER      // bits of the data byte
+    ldd  r21, Y + BLOCK_NARROW
+.macro clock_minor number bytes done
     dec  r21
     brpl 1f
-    rjmp clocks_done
-1:  ldd  r22, Y + MINOR_SIZE * \number + MINOR_SUM
-    ldd  r30, Y + MINOR_SIZE * \number + MINOR_ADD
-    add  r22, r30
-    ldd  r23, Y + MINOR_SIZE * \number + MINOR_SUM + 1
-    ldd  r30, Y + MINOR_SIZE * \number + MINOR_ADD + 1
-    adc  r23, r30
-    ldd  r24, Y + MINOR_SIZE * \number + MINOR_SUM + 2
-    ldd  r30, Y + MINOR_SIZE * \number + MINOR_ADD + 2
-    adc  r24, r30
+    rjmp \done
+1:  load_sum \number \bytes
     brcc 2f
-    ldd  r30, Y + BLOCK_LIMIT
-    sub  r22, r30
-    ldd  r30, Y + BLOCK_LIMIT + 1
-    sbc  r23, r30
-    ldd  r30, Y + BLOCK_LIMIT + 2
-    sbc  r24, r30
+    take_off_limit \bytes
     ldd  r30, Y + MINOR_SIZE * \number + MINOR_MOVER
-    eor  r26, r30
-    ldd  r30, Y + MINOR_SIZE * \number + MINOR_MOVER + 1
-    or   r25, r30
-2:  std  Y + MINOR_SIZE * \number + MINOR_SUM, r22
-    std  Y + MINOR_SIZE * \number + MINOR_SUM + 1, r23
-    std  Y + MINOR_SIZE * \number + MINOR_SUM + 2, r24
+    or   r26, r30
+2:  store_sum \number \bytes
 .endm
-    clock_minor 0
-    clock_minor 1
-    clock_minor 2
+    clock_minor 0 2 clocks_none_narrow
+    clock_minor 1 2 clocks_done
+    clock_minor 2 2 clocks_done
 clocks_done:
+    sts  beat + BEAT_MASK, r26
+    lds  r23, card + CARD_DATA
+    eor  r26, r23
     lds  r24, card + CARD_CONTROL_HIGH
 #if DATA_HIGH_MASK                  // D0 to D5 from bit 2 on, D6 and D7 elsewhere
     mov  r23, r26
@@ -740,6 +990,13 @@ clocks_done:
 #endif
     sts  beat, r26
     sts  beat + 1, r24
-    sts  beat + 2, r25
-    sts  beat + BEAT_MASK, r25
-    ret
+    rjmp set_timer
+
+clocks_none_narrow:
+    ldd  r21, Y + BLOCK_WIDE
+    clock_minor 0 3 clocks_done
+    clock_minor 1 3 clocks_done
+    clock_minor 2 3 clocks_done
+    rjmp clocks_done
+
+.size TIMER1_COMPA_vect, . - TIMER1_COMPA_vect

@@ -7,6 +7,9 @@
 #include "line.h"
 #include "run.h"
 
+/* So many bytes of content are taken at one go. */
+#define RUN 16
+
 static struct {
     uint8_t content[CONTENT_MAX];
     uint8_t length;
@@ -17,8 +20,9 @@ static struct {
 
 static struct {
     uint8_t content[2 + REPORT_MAX + 2];
-    uint8_t length; /* 0: nothing to send */
+    uint8_t length; /* with its CRC; 0: nothing to send */
     uint8_t at;
+    uint16_t crc; /* of what was sent */
     uint8_t sequence;
     bool is_escaped; /* the byte at `at` is half sent */
     bool is_flagged;
@@ -89,8 +93,33 @@ static bool take_byte(uint8_t byte)
     return ended;
 }
 
+/* Content that needs no second look, as far as it has come: nothing reserved, nothing escaped. */
+static void take_plain_content(void)
+{
+    uint8_t tail = line.tail, length = in.length, before = length;
+    uint16_t crc = in.crc;
+    while (tail != *(volatile uint8_t *)&line.head && length < CONTENT_MAX) {
+        line_poll();
+        uint8_t byte = line.bytes[tail];
+        if ((byte & RESERVED_MASK) == RESERVED || length - before == RUN)
+            break;
+        in.content[length++] = byte;
+        crc = _crc_xmodem_update(crc, byte);
+        tail = (uint8_t)(tail + 1) & (LINE_RING - 1);
+    }
+    if (length == before)
+        return;
+    line.tail = tail;
+    in.length = length;
+    in.crc = crc;
+    in.previous = 0;
+    in.is_open = true;
+}
+
 void frames_receive(void)
 {
+    if (!in.is_escaped)
+        take_plain_content();
     for (uint8_t n = 0; n < 8; n++) {
         int16_t byte = line_next();
         if (byte < 0 || take_byte((uint8_t)byte))
@@ -112,15 +141,8 @@ uint8_t *frames_open(uint8_t kind)
 
 void frames_close(uint8_t payload_length)
 {
-    uint8_t length = (uint8_t)(payload_length + 2);
-    uint16_t crc = CRC_START;
-    for (uint8_t i = 0; i < length; i++) {
-        crc = _crc_xmodem_update(crc, out.content[i]);
-        line_poll();
-    }
-    out.content[length] = (uint8_t)(crc >> 8);
-    out.content[length + 1] = (uint8_t)crc;
-    out.length = (uint8_t)(length + 2);
+    out.length = (uint8_t)(2 + payload_length + 2);
+    out.crc = CRC_START;
     out.at = 0;
     out.is_flagged = out.is_escaped = false;
 }
@@ -139,6 +161,11 @@ void frames_send(void)
         UDR0 = FLAG;
         return;
     }
+    if (out.at == out.length - 2) {
+        /* Worked out byte by byte: all at once it would take as long as fifteen come in. */
+        out.content[out.at] = (uint8_t)(out.crc >> 8);
+        out.content[out.at + 1] = (uint8_t)out.crc;
+    }
     uint8_t byte = out.content[out.at];
     if (out.is_escaped) {
         out.is_escaped = false;
@@ -148,6 +175,7 @@ void frames_send(void)
         UDR0 = ESCAPE;
         return;
     }
+    out.crc = _crc_xmodem_update(out.crc, out.content[out.at]);
     out.at++;
     UDR0 = byte;
 }

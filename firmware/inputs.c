@@ -51,6 +51,8 @@ static void set_quiet(void)
     beat.restless = inputs.end_switch.run || inputs.watching ? RESTLESS : 0;
     beat.quiet = inputs.pins;
     beat.mind = inputs.end_switch.pins | beat.restless;
+    player.is_minded =
+        inputs.watching || inputs.watch_hides_switch || inputs.end_switch.is_true;
 }
 
 static bool needs_look(uint8_t pins)
@@ -98,6 +100,7 @@ static void act_on_watch(void)
         return;
     if (inputs.watch_action == WATCH_STOP) {
         inputs.drop_when_still = true;
+        throttle_settle_limits();
         bool above = player_last() && player.block->moving && is_above_jump(player_last());
         if (!above) {
             inputs.stop_reason = ENDED_WATCH;
@@ -152,21 +155,39 @@ void inputs_begin_block(const struct block *block)
 
 void inputs_end_block(void)
 {
-    if (inputs.watching) {
-        inputs.watching = false;
-        set_quiet();
-    }
-    inputs.watch_hides_switch = false;
+    if (!inputs.watching && !inputs.watch_hides_switch)
+        return;
+    inputs.watching = inputs.watch_hides_switch = false;
+    set_quiet();
 }
 
+/* Clock lines are known by their bits of the data byte, 2k + 1 for motor k. */
+static uint8_t motors_of_beat(void)
+{
+    if (card.facts.type == CARD_PHASES)
+        return beat.mask;
+    uint8_t motors = 0;
+    for (uint8_t motor = 0; motor < MOTORS_MAX; motor++)
+        if (beat.mask & (2 << 2 * motor))
+            motors |= (uint8_t)_BV(motor);
+    return motors;
+}
+
+/* Movements are the leader's, if it is its beat, then those of the others in motor order. */
 void inputs_examine_beat(void)
 {
     struct place place = {player.serial, player.done, player.moved};
-    uint8_t count = beat_count();
+    uint8_t count = beat_count(), left = motors_of_beat();
     if (!count && needs_look(beat.pins[0]))
         examine(beat.pins[0], &place);
     for (uint8_t n = 0; n < count; n++) {
-        place.moved |= beat.entry[n].bit;
+        uint8_t motors = left & (uint8_t)-left;
+        if (n == count - 1)
+            motors = left; /* clock lines: all at once */
+        else if (!n && !player.beats_left)
+            motors = player.block->leading;
+        left &= (uint8_t)~motors;
+        place.moved |= motors;
         uint8_t pins = beat.pins[n];
         if (needs_look(pins))
             examine(pins, &place);

@@ -55,10 +55,4 @@ void inputs_sample(void);
 /* Every 4 ms: remember which block was in hand. */
 void inputs_mark_time(void);
 
-/* A block that ends and one that begins are nothing to the inputs. */
-static inline bool inputs_are_calm(void)
-{
-    return !inputs.watching && !inputs.watch_hides_switch && !inputs.end_switch.is_true;
-}
-
 #endif

@@ -1,19 +1,39 @@
-/* Where the assembler finds what C has laid out. player.c asserts every line of it.
+/* Where the assembler finds what C has laid out. layout.c asserts every line of it.
  *
  * Rule 1: a struct that is read in beats.S has its offsets here, nowhere else.
  */
 #ifndef LAYOUT_H
 #define LAYOUT_H
 
-/* struct block */
+/* struct block, and struct minor of which it begins with three */
 #define MINOR_SIZE 8
 #define MINOR_SUM 0
 #define MINOR_ADD 3
 #define MINOR_MOVER 6
-/* struct mover of clock lines: data bit, motor bit */
 #define BLOCK_LEADER 24
 #define BLOCK_LIMIT 26
-#define BLOCK_MINORS 29
+#define BLOCK_NARROW 29
+#define BLOCK_WIDE 30
+#define BLOCK_RAMPS 31
+#define BLOCK_PIECE_END 32
+#define BLOCK_INTERVAL 35
+#define BLOCK_ADD 39
+#define BLOCK_PIECE_IS_LAST 43
+#define BLOCK_BEATS 44
+#define BLOCK_BEAT_CYCLES 45
+#define BLOCK_LAG 47
+#define BLOCK_SHORTEST 48
+#define BLOCK_SERIAL 50
+#define BLOCK_ENTRY 52
+
+/* struct piece */
+#define PIECE_END 0
+#define PIECE_INTERVAL 3
+#define PIECE_ADD 7
+#define PIECE_LAST 11
+#define PIECE_RAMPS 12
+#define PIECE_SIZE 13
+#define PIECES 4
 
 /* struct motor, and the table before the four of them */
 #define MOTOR_PHASE 0
@@ -29,47 +49,53 @@
 #define CARD_CONTROL_HIGH 46
 #define CARD_DATA 48
 #define LINE_HEAD 0
-#define LINE_ERRORS 2
-#define LINE_BYTES 3
+#define LINE_IS_HELD 2
+#define LINE_ERRORS 3
+#define LINE_BYTES 4
 #define LINE_RING 64
 
 /* struct player */
-#define PLAYER_MODE 0
-#define PLAYER_BLOCK 1
-#define PLAYER_DUE 3
-#define PLAYER_DONE 5
-#define PLAYER_PIECE_END 8
-#define PLAYER_RAMPS 11
-#define PLAYER_INTERVAL 12
-#define PLAYER_ADD 16
-#define PLAYER_CYCLES 20
-#define PLAYER_LAST 24
-#define PLAYER_BEATS 28
-#define PLAYER_BEATS_LEFT 29
-#define PLAYER_BEAT_CYCLES 30
-#define PLAYER_LAG 32
-#define PLAYER_MOVED 33
-#define PLAYER_LATE 34
-#define PLAYER_SHORTEST 36
-#define PLAYER_PATIENCE 38
-#define PLAYER_LATE_TICKS 39
-#define PLAYER_EARLY 41
-#define PLAYER_PLAN 42
-#define PLAYER_FALL 46
-#define PLAYER_NOT_BEFORE 50
-#define PLAYER_IS_MADE_OUT 54
-#define PLAYER_WAIT 55
+#define PLAYER_BLOCK 0
+#define PLAYER_NEXT 2
+#define PLAYER_TAKEN 4
+#define PLAYER_IS_MINDED 5
+#define PLAYER_LIMITS_OWED 6
+#define PLAYER_SERIAL 7
+#define PLAYER_DUE 9
+#define PLAYER_DONE 11
+#define PLAYER_CHOSEN_AT 14
+#define PLAYER_CYCLES 17
+#define PLAYER_LAST 21
+#define PLAYER_BEATS_LEFT 25
+#define PLAYER_MOVED 26
+#define PLAYER_LATE 27
+#define PLAYER_PATIENCE 29
+#define PLAYER_LATE_TICKS 30
+#define PLAYER_PLAN 32
+#define PLAYER_FALL 36
+#define PLAYER_NOT_BEFORE 40
+#define PLAYER_IS_MADE_OUT 44
+#define PLAYER_WAIT 45
 
-/* player.mode: what the next interrupt is */
+/* struct throttle */
+#define THROTTLE_DRY_POINT 0
+#define THROTTLE_DRY_SERIAL 1
+#define THROTTLE_DRY_TICK 3
+
+/* What the next interrupt is. Two bits tell the frequent ones apart. */
 #define MODE_PHASES 0
 #define MODE_SLOW 1
 #define MODE_HOP 2
 #define MODE_RISE 3
 #define MODE_FALL 4
-#define MODE_FAST_RISE 5
-#define MODE_FAST_FALL 6
+#define MODE_RISES 7 /* bit */
+#define MODE_FALLS 6 /* bit */
+#define MODE_FAST_RISE 0x80
+#define MODE_FAST_FALL 0x40   /* the next edge is made out */
+#define MODE_STEADY_FALL 0x41 /* likewise, and the wait until then is known */
+#define MODE_LAST_FALL 0x42   /* of its piece: nothing is made out */
 
-/* player.ramps */
+/* block.ramps */
 #define RAMP_NONE 0
 #define RAMP_FAST 1
 #define RAMP_SLOW 2 /* every tick is taken by C */
@@ -78,18 +104,19 @@
 #define RAMP_STEADY 4
 
 /* struct beat */
-#define BEAT_ENTRY 3
-#define BEAT_END 12
-#define BEAT_MASK 13
-#define BEAT_QUIET 14
-#define BEAT_RESTLESS 15
-#define BEAT_MIND 16
-#define BEAT_PINS 17
-#define BEAT_REST 24 /* struct entry rest: clock lines at rest */
-#define BEAT_SIZE 30
+#define BEAT_ENTRY 2
+#define BEAT_END 8
+#define BEAT_MASK 9
+#define BEAT_QUIET 10
+#define BEAT_RESTLESS 11
+#define BEAT_MIND 12
+#define BEAT_PINS 13
+#define BEAT_REST 17 /* struct entry rest: clock lines at rest */
+#define BEAT_SIZE 22
 
-/* From the compare match to the deadline: entry, the longest lock, what is done before the wait. */
-#define EARLY_CYCLES 60
+/* From the compare match to the deadline: entry, an instruction, the longest lock, what is done
+ * before the wait; less what the wait adds (wait_out: 16). */
+#define EARLY_CYCLES 38
 #define EARLY_SLOW_CYCLES 170 /* where C does it */
 /* No compare match is set closer than this: it might pass while it is being set. */
 #define NEAR_CYCLES 8

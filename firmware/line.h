@@ -5,7 +5,8 @@
  * Rule 1: no receive interrupt: it would cost the steps up to 74 cycles of jitter. Whoever works
  *         for longer than two bytes take (1280 cycles at 250,000 baud) calls line_poll(), and the
  *         timer interrupt does.
- * Rule 2: line_poll() may run in the interrupt and in the main loop; there it locks.
+ * Rule 2: line_poll() may run in the interrupt and in the main loop. The main loop does not lock
+ *         for it: while it holds the line, an interrupt leaves the byte where it is.
  */
 #ifndef LINE_H
 #define LINE_H
@@ -25,6 +26,7 @@
 
 struct line {
     uint8_t head, tail;
+    volatile bool is_held;
     uint8_t errors; /* damaged frames, framing errors and overruns */
     uint8_t bytes[LINE_RING];
 };
@@ -33,28 +35,34 @@ extern struct line line;
 
 void line_begin(void);
 
-/* Take a byte from the UART if there is one; interrupts are off. */
-static inline void line_take(void)
+static inline bool line_has_byte(void)
 {
-    uint8_t status = UCSR0A;
-    if (!(status & _BV(RXC0)))
-        return;
-    uint8_t head = line.head;
-    line.bytes[head] = UDR0;
-    line.head = (uint8_t)(head + 1) & (LINE_RING - 1);
-    if (status & (_BV(FE0) | _BV(DOR0)))
-        line.errors++;
+    return UCSR0A & _BV(RXC0);
 }
 
-/* The same with interrupts in whatever state. */
+/* Take a byte from the UART if there is one. */
 static inline void line_poll(void)
 {
-    if (!(UCSR0A & _BV(RXC0)))
+    if (!line_has_byte() || line.is_held)
         return;
-    uint8_t sreg = SREG;
-    cli();
-    line_take();
-    SREG = sreg;
+    line.is_held = true;
+    __asm__ __volatile__("" ::: "memory");
+    uint8_t status = UCSR0A; /* again: an interrupt may have taken it */
+    if (status & _BV(RXC0)) {
+        uint8_t head = line.head;
+        line.bytes[head] = UDR0;
+        line.head = (uint8_t)(head + 1) & (LINE_RING - 1);
+        if (status & (_BV(FE0) | _BV(DOR0)))
+            line.errors++;
+    }
+    __asm__ __volatile__("" ::: "memory");
+    line.is_held = false;
+}
+
+/* Bytes that came and were not looked at. */
+static inline uint8_t line_waiting(void)
+{
+    return (uint8_t)(*(volatile uint8_t *)&line.head - line.tail) & (LINE_RING - 1);
 }
 
 /* The next byte that came, or -1. */
@@ -62,7 +70,7 @@ static inline int16_t line_next(void)
 {
     line_poll();
     uint8_t tail = line.tail;
-    if (tail == *(volatile uint8_t *)&line.head)
+    if (!line_waiting())
         return -1;
     uint8_t byte = line.bytes[tail];
     line.tail = (uint8_t)(tail + 1) & (LINE_RING - 1);

@@ -55,9 +55,15 @@ static void begin(void)
     sei();
 }
 
-/* What must have its turn more often than once in a loop. */
+/* With so many bytes waiting, no record is looked at before some of them are taken. */
+#define MANY_BYTES 20
+
+/* What must have its turn more often than once in a loop. The next block goes before bytes, while
+ * these are few: the motors wait for it, the host does not. */
 static void mind_line(void)
 {
+    if (!player_has_block() && line_waiting() < MANY_BYTES)
+        reader_service();
     frames_receive();
     frames_send();
     throttle_service();

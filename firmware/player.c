@@ -2,7 +2,6 @@
 #include "player.h"
 
 #include <avr/interrupt.h>
-#include <stddef.h>
 
 #include "beat.h"
 #include "inputs.h"
@@ -17,72 +16,12 @@ _Static_assert(FAR_CYCLES >> 8 == FAR_HIGH, "one limit for C and assembler");
 /* What must be chosen and made out outside the interrupt is at least so far ahead. */
 #define SOON_CYCLES 800
 #define MOST_BEATS 8
-/* From the end of the wait to the first write it takes beats.S so much longer than C. */
-#define LAG_CYCLES 1
-
-#define AT(type, field, offset) \
-    _Static_assert(offsetof(struct type, field) == (offset), #type "." #field)
-
-AT(block, leader, BLOCK_LEADER);
-AT(block, limit, BLOCK_LIMIT);
-AT(block, minors, BLOCK_MINORS);
-AT(minor, sum, MINOR_SUM);
-AT(minor, add, MINOR_ADD);
-AT(minor, mover, MINOR_MOVER);
-_Static_assert(sizeof(struct minor) == MINOR_SIZE, "struct minor");
-AT(motor, phase, MOTOR_PHASE);
-AT(motor, high, MOTOR_HIGH);
-AT(motor, bit, MOTOR_BIT);
-AT(motor, low, MOTOR_LOW);
-AT(tracks, motor, TRACKS_MOTORS);
-AT(card, facts.table_length, CARD_TABLE_LENGTH);
-AT(line, head, LINE_HEAD);
-AT(line, errors, LINE_ERRORS);
-AT(line, bytes, LINE_BYTES);
-AT(player, mode, PLAYER_MODE);
-AT(player, block, PLAYER_BLOCK);
-AT(player, due, PLAYER_DUE);
-AT(player, done, PLAYER_DONE);
-AT(player, piece_end, PLAYER_PIECE_END);
-AT(player, ramps, PLAYER_RAMPS);
-AT(player, interval_q8, PLAYER_INTERVAL);
-AT(player, add_q8, PLAYER_ADD);
-AT(player, cycles, PLAYER_CYCLES);
-AT(player, last_cycles, PLAYER_LAST);
-AT(player, beats, PLAYER_BEATS);
-AT(player, beats_left, PLAYER_BEATS_LEFT);
-AT(player, beat_cycles, PLAYER_BEAT_CYCLES);
-AT(player, lag_cycles, PLAYER_LAG);
-AT(player, moved, PLAYER_MOVED);
-AT(player, late, PLAYER_LATE);
-AT(player, shortest, PLAYER_SHORTEST);
-_Static_assert(sizeof(struct entry) == BEAT_ENTRY, "struct entry");
-AT(beat, end, BEAT_END);
-AT(beat, mask, BEAT_MASK);
-AT(beat, quiet, BEAT_QUIET);
-AT(beat, restless, BEAT_RESTLESS);
-AT(beat, mind, BEAT_MIND);
-AT(beat, pins, BEAT_PINS);
-
-AT(player, patience, PLAYER_PATIENCE);
-AT(player, early, PLAYER_EARLY);
-AT(player, plan_cycles, PLAYER_PLAN);
-AT(player, fall_cycles, PLAYER_FALL);
-AT(player, not_before, PLAYER_NOT_BEFORE);
-AT(player, is_made_out, PLAYER_IS_MADE_OUT);
-AT(player, wait_cycles, PLAYER_WAIT);
-AT(card, facts.pulse_cycles, CARD_PULSE);
-AT(card, control_high, CARD_CONTROL_HIGH);
-AT(card, data, CARD_DATA);
-AT(beat, rest, BEAT_REST);
-AT(player, late_ticks, PLAYER_LATE_TICKS);
-_Static_assert(sizeof(struct beat) == BEAT_SIZE, "struct beat");
-_Static_assert(sizeof(struct tracks) == TRACKS_SIZE, "struct tracks");
+/* From the look at the counter until a compare match that was found to be due later is set. */
+#define SET_CYCLES 100
 
 struct player player;
 struct block blocks[2];
-volatile uint8_t block_ready;
-uint8_t block_next;
+uint8_t blocks_read;
 struct piece pieces[PIECES];
 volatile uint8_t piece_head, piece_tail;
 volatile uint16_t records_waiting;
@@ -106,8 +45,8 @@ static bool is_phase_card(void)
 
 static void set_mode(uint8_t mode)
 {
-    player.mode = mode;
-    bool is_fast = mode == MODE_PHASES || mode >= MODE_FAST_RISE;
+    MODE = mode;
+    bool is_fast = mode == MODE_PHASES || mode >= MODE_FAST_FALL;
     player.early = is_fast ? EARLY_CYCLES : EARLY_SLOW_CYCLES;
 }
 
@@ -133,10 +72,16 @@ static void arm(uint8_t mode, uint32_t wait)
     set_compare();
 }
 
+/* That much of its interval is too late. */
+static bool is_much(uint16_t late, uint32_t interval)
+{
+    return (uint32_t)late << 2 > interval;
+}
+
 /* A write came late: if it was much, it is counted, and all that follows moves. */
 static void note_late(uint16_t late, uint32_t interval)
 {
-    if ((uint32_t)late << 2 <= interval)
+    if (!is_much(late, interval))
         return;
     player.due += late;
     player.late_ticks++;
@@ -146,7 +91,10 @@ uint32_t player_last(void)
 {
     if (!player.cycles || (player.beats_left && player.done == player.chosen_at))
         return player.last_cycles;
-    return player.beats_left && player.ramps == RAMP_FAST ? player.last_cycles : player.cycles;
+    const struct block *block = player.block;
+    if (player.beats_left && block && block->ramps == RAMP_FAST)
+        return (block->interval_q8 - (uint32_t)block->add_q8) >> 8;
+    return player.cycles;
 }
 
 /* ---- what */
@@ -170,7 +118,7 @@ static void restore_state(void)
 /* Shares of the minors for so many beats. */
 static void set_shares(struct block *block, uint8_t beats)
 {
-    for (uint8_t i = 0; i < block->minors; i++) {
+    for (uint8_t i = 0; i < minors_of(block); i++) {
         ticks_t add = block->steps[i];
         for (uint8_t n = beats; n < MOST_BEATS; n <<= 1)
             add <<= 1;
@@ -178,50 +126,59 @@ static void set_shares(struct block *block, uint8_t beats)
     }
 }
 
+/* How the intervals of a block that moves go on; beats.S adds three bytes. */
+static uint8_t ramps_of(int32_t add_q8)
+{
+    const uint32_t most = (uint32_t)FAR_CYCLES << 7;
+    if ((uint32_t)add_q8 + most > 2 * most)
+        return RAMP_SLOW;
+    return add_q8 ? RAMP_FAST : RAMP_NONE;
+}
+
 /* Divide the tick in hand, a far one, into beats. */
 static void divide_far(uint32_t cycles)
 {
+    struct block *block = player.block;
     uint8_t beats = 1;
     uint32_t part = cycles >> 1;
-    if (player.block->minors && card.facts.beat_cycles)
+    if (minors_of(block) && card.facts.beat_cycles)
         for (; beats < MOST_BEATS && part >= card.facts.beat_cycles; part >>= 1)
             beats <<= 1;
-    if (beats != player.beats)
-        set_shares(player.block, beats);
-    player.beats = beats;
-    player.ramps = RAMP_SLOW;
+    if (beats != block->beats)
+        set_shares(block, beats);
+    block->beats = beats;
+    block->ramps = RAMP_SLOW;
 }
 
-/* The same for others: all in 16 bits. */
-static void divide(uint16_t cycles)
+/* The same for others, of whatever block: all in 16 bits. */
+static void divide(struct block *block, uint16_t cycles)
 {
-    uint16_t part = cycles, shortest = player.shortest;
+    uint16_t part = cycles;
     uint8_t beats = 1;
-    while (part >= shortest && beats < MOST_BEATS) {
+    while (part >= block->shortest && beats < MOST_BEATS) {
         part >>= 1;
         beats <<= 1;
     }
-    player.beat_cycles = part;
-    if (beats != player.beats)
-        set_shares(player.block, beats);
-    player.beats = beats;
-    if (!player.block->moving)
-        player.ramps = RAMP_SLOW;
-    else
-        player.ramps = player.add_q8 ? RAMP_FAST : RAMP_NONE;
+    block->beat_cycles = part;
+    if (beats != block->beats)
+        set_shares(block, beats);
+    block->beats = beats;
+    block->lag_cycles = (uint8_t)cycles & (beats - 1);
+    block->ramps = block->moving ? ramps_of(block->add_q8) : RAMP_SLOW;
 }
 
 /* The tick in hand has this interval. */
 static void take_tick(uint32_t cycles)
 {
-    if (cycles == player.cycles && player.beats && player.ramps == RAMP_NONE && !player.add_q8)
+    struct block *block = player.block;
+    if (cycles == player.cycles && block->beats && block->ramps == RAMP_NONE && !block->add_q8)
         ; /* as the one before */
     else if (cycles >= FAR_CYCLES)
         divide_far(cycles);
     else
-        divide((uint16_t)cycles);
-    player.lag_cycles = (uint8_t)cycles & (player.beats - 1);
-    player.beats_left = player.beats;
+        divide(block, (uint16_t)cycles);
+    block->lag_cycles = (uint8_t)cycles & (block->beats - 1);
+    player.beats_left = block->beats;
     player.cycles = cycles;
     player.chosen_at = player.done;
 }
@@ -259,7 +216,7 @@ static void add_movement(struct entry *entry, struct mover mover)
     motor->phase = at;
     entry->low = tracks.table[at] | motor->low;
     entry->high = motor->high;
-    entry->bit = motor->bit;
+    beat.mask |= motor->bit;
 }
 
 /* Make out the next beat in which something is to be done; how long until then. */
@@ -270,22 +227,20 @@ static uint32_t prepare_phases(void)
     struct entry *entry = beat.entry;
     uint32_t wait = 0, beat_cycles = player.cycles;
     uint8_t left = player.beats_left;
-    for (uint8_t n = player.beats; n > 1; n >>= 1)
+    for (uint8_t n = block->beats; n > 1; n >>= 1)
         beat_cycles >>= 1;
     beat.mask = 0;
     do {
         wait += beat_cycles;
         if (--left == 0) {
-            wait += player.lag_cycles;
+            wait += block->lag_cycles;
             if (block->moving)
                 add_movement(entry++, block->leader);
         }
-        for (uint8_t i = 0; i < block->minors; i++)
+        for (uint8_t i = 0; i < minors_of(block); i++)
             if (minor_steps(&block->minor[i], block->limit))
                 add_movement(entry++, block->minor[i].mover);
     } while (left && entry == beat.entry);
-    for (struct entry *e = beat.entry; e != entry; e++)
-        beat.mask |= e->bit;
     beat.end = (uint8_t)(uintptr_t)entry;
     player.beats_left = left;
     return wait;
@@ -308,24 +263,39 @@ static void go_to_beat(bool first)
 static void prepare_clocks(void)
 {
     struct block *block = player.block;
-    uint8_t motors = 0, data = card.data;
-    if (block->moving) {
-        motors = (uint8_t)block->leader.delta;
-        data ^= block->leader.at;
-    }
-    for (uint8_t i = 0; i < block->minors; i++) {
+    uint8_t edges = block->moving ? block->leader.at : 0;
+    for (uint8_t i = 0; i < minors_of(block); i++) {
         struct minor *minor = &block->minor[i];
-        if (minor_steps(minor, block->limit)) {
-            motors |= (uint8_t)minor->mover.delta;
-            data ^= minor->mover.at;
-        }
+        if (minor_steps(minor, block->limit))
+            edges |= minor->mover.at;
     }
-    beat.mask = beat.entry[0].bit = motors;
+    uint8_t data = card.data ^ edges;
+    beat.mask = edges;
     beat.entry[0].low = DATA_LOW(data);
     beat.entry[0].high = (uint8_t)(DATA_HIGH(data) | card.control_high);
-    beat.end = (uint8_t)(uintptr_t)&beat.entry[motors ? 1 : 0];
+    beat.end = (uint8_t)(uintptr_t)&beat.entry[edges ? 1 : 0];
     beat.rest.low = DATA_LOW(card.data);
     beat.rest.high = (uint8_t)(DATA_HIGH(card.data) | card.control_high);
+}
+
+/* From the edge that comes to its fall. */
+static void set_fall(void)
+{
+    uint16_t pulse = card.facts.pulse_cycles;
+    uint32_t half = player.plan_cycles >> 1;
+    player.fall_cycles = half > pulse ? half : pulse;
+    player.not_before = player.fall_cycles + pulse;
+}
+
+/* All edges of the piece that begins come at one interval. */
+static void settle(struct block *block)
+{
+    uint32_t cycles = player.plan_cycles;
+    set_fall();
+    if (cycles < player.not_before)
+        cycles = player.not_before;
+    player.wait_cycles = (uint16_t)(cycles - player.fall_cycles);
+    block->ramps = RAMP_STEADY;
 }
 
 /* An edge of clock lines, from the fall before it. */
@@ -343,9 +313,13 @@ static void go_to_edge(uint32_t cycles)
     player.plan_cycles = cycles;
     player.cycles = cycles > player.not_before ? cycles : player.not_before;
     player.chosen_at = player.done;
-    bool usual = block->moving && !beat.control_due && player.cycles < FAR_CYCLES;
-    player.ramps = !usual ? RAMP_SLOW : player.add_q8 ? RAMP_FAST : RAMP_NONE;
+    block->ramps = ramps_of(block->add_q8);
+    if (!block->moving || beat.control_due || player.cycles >= FAR_CYCLES)
+        block->ramps = RAMP_SLOW;
+    bool usual = block->ramps != RAMP_SLOW;
     arm(usual ? MODE_FAST_RISE : MODE_RISE, player.cycles - player.fall_cycles);
+    if (block->ramps == RAMP_NONE && cycles == block->interval_q8 >> 8)
+        settle(block);
 }
 
 /* ---- which tick */
@@ -357,34 +331,52 @@ static void end_block(void)
     if (block->outputs_due && player.done == block->ticks)
         run_make_block_outputs(block);
     inputs_end_block();
+    throttle_settle_limits();
     player.block = 0;
+}
+
+void player_offer(void)
+{
+    uint8_t taken, now;
+    do {
+        taken = player.taken;
+        struct block *next = &blocks[taken & 1];
+        if (!player_has_block() || !next->is_plain || throttle_minds(next))
+            next = 0;
+        uint8_t sreg = SREG;
+        cli();
+        now = *(volatile uint8_t *)&player.taken;
+        if (now == taken)
+            player.next = next;
+        SREG = sreg;
+    } while (now != taken);
 }
 
 /* Take the next block in hand; false: there is none, see player.halt. */
 static bool begin_block(void)
 {
-    uint8_t slot = block_next;
-    if (!(block_ready & _BV(slot))) {
+    if (!player_has_block()) {
         player.halt = records_waiting ? STARVED : AT_END;
         return false;
     }
-    struct block *block = &blocks[slot];
-    block_ready &= (uint8_t)~_BV(slot);
-    block_next = slot ^ 1;
+    throttle_settle_limits();
+    struct block *block = &blocks[player.taken & 1];
+    player.taken++;
     player.block = block;
     player.serial = block->serial;
-    player.done = player.piece_end = 0;
-    player.piece_is_last = !block->ticks;
-    player.beats = block->beats;
+    player.done = 0;
     player.is_made_out = false;
-    player.shortest = block->shortest;
+    block->ramps = RAMP_SLOW; /* the first interval is perhaps not the plan's */
     if (block->ticks)
         run_set_up(block);
     uint32_t exit = player.from_rest ? 0 : block->exit_cycles;
     player.from_rest = false;
     throttle_enter(block, exit);
-    line_take();
+    line_poll();
     inputs_begin_block(block);
+    if (block->piece_end)
+        run_show_ramp();
+    player_offer();
     return true;
 }
 
@@ -395,11 +387,12 @@ static bool next_piece(void)
         player.halt = STARVED;
         return false;
     }
-    struct piece *piece = &pieces[tail];
-    player.piece_end = piece->end;
-    player.interval_q8 = piece->interval_q8;
-    player.add_q8 = piece->add_q8;
-    player.piece_is_last = piece->last;
+    struct block *block = player.block;
+    const struct piece *piece = &pieces[tail];
+    block->piece_end = piece->end;
+    block->interval_q8 = piece->interval_q8;
+    block->add_q8 = piece->add_q8;
+    block->piece_is_last = piece->last;
     piece_tail = (uint8_t)(tail + 1) & (PIECES - 1);
     run_show_ramp();
     return true;
@@ -408,66 +401,32 @@ static bool next_piece(void)
 /* Up to the next tick, over the ends of pieces and blocks; false: none, see player.halt. */
 static bool find_tick(uint32_t *cycles)
 {
-    while (!player.block || player.done == player.piece_end) {
-        if (player.block && player.piece_is_last)
+    while (!player.block || player.done == player.block->piece_end) {
+        if (player.block && player.block->piece_is_last)
             end_block();
         else if (!(player.block ? next_piece() : begin_block()))
             return false;
     }
-    *cycles = player.interval_q8 >> 8;
+    *cycles = player.block->interval_q8 >> 8;
     return !WANT || throttle_choose(cycles, false);
 }
 
+void player_prepare_piece(const struct block *block, struct piece *piece)
+{
+    bool is_plain = block->moving && piece->interval_q8 < (uint32_t)FAR_CYCLES << 8;
+    piece->ramps = is_plain ? ramps_of(piece->add_q8) : RAMP_SLOW;
+}
 
 void player_prepare(struct block *block)
 {
-    uint16_t shortest = 0xFFFF;
-    if (block->minors && card.facts.beat_cycles && card.facts.beat_cycles < 0x8000)
-        shortest = (uint16_t)(2 * card.facts.beat_cycles);
-    block->shortest = shortest;
-    if (!is_phase_card() || !block->moving || block->entry_cycles >= FAR_CYCLES)
+    if (minors_of(block) && card.facts.beat_cycles && card.facts.beat_cycles < 0x8000)
+        block->shortest = (uint16_t)(2 * card.facts.beat_cycles);
+    if (!block->moving || block->entry_cycles >= FAR_CYCLES) {
+        block->is_plain = false;
         return;
-    uint16_t part = (uint16_t)block->entry_cycles;
-    uint8_t beats = 1;
-    while (part >= shortest && beats < MOST_BEATS) {
-        part >>= 1;
-        beats <<= 1;
     }
-    set_shares(block, beats);
-    block->beats = beats;
-    block->beat_cycles = part;
-    block->is_plain = !block->watch_pins && !block->outputs_due && block->exit_cycles;
-}
-
-/* From one block to the next in full motion, with nothing on anybody's mind: what begin_block,
- * next_piece and take_tick would do, in a quarter of their time. False: it is not that simple. */
-static bool go_over(void)
-{
-    uint8_t slot = block_next, tail = piece_tail;
-    struct block *block = &blocks[slot];
-    if (WANT || throttle.state != OPEN || !(block_ready & _BV(slot)) || !block->is_plain
-        || tail == piece_head || !inputs_are_calm() || throttle_minds(block))
-        return false;
-    struct piece *piece = &pieces[tail];
-    block_ready &= (uint8_t)~_BV(slot);
-    block_next = slot ^ 1;
-    piece_tail = (uint8_t)(tail + 1) & (PIECES - 1);
-    throttle_take_limits(block);
-    player.block = block;
-    player.serial = block->serial;
-    player.done = player.chosen_at = 0;
-    player.piece_end = piece->end;
-    player.interval_q8 = piece->interval_q8;
-    player.add_q8 = piece->add_q8;
-    player.piece_is_last = piece->last;
-    player.last_cycles = player.cycles;
-    player.cycles = block->entry_cycles;
-    player.shortest = block->shortest;
-    player.beats = player.beats_left = block->beats;
-    player.beat_cycles = block->beat_cycles;
-    player.lag_cycles = (uint8_t)block->entry_cycles & (block->beats - 1);
-    player.ramps = piece->add_q8 ? RAMP_FAST : RAMP_NONE;
-    return true;
+    divide(block, (uint16_t)block->entry_cycles);
+    block->is_plain &= !block->watch_pins && !block->outputs_due && block->exit_cycles;
 }
 
 /* Choose the next tick and make out its first writes; false: there is none. */
@@ -482,9 +441,9 @@ static bool go_on(void)
         take_tick(cycles);
         go_to_beat(true);
     } else {
-        if (!player.beats)
+        if (!player.block->beats)
             set_shares(player.block, 1);
-        player.beats = 1;
+        player.block->beats = 1;
         go_to_edge(cycles);
     }
     return true;
@@ -494,7 +453,7 @@ static void tick_done(void)
 {
     player.done++;
     player.moved = 0;
-    player.interval_q8 += (uint32_t)player.add_q8;
+    player.block->interval_q8 += (uint32_t)player.block->add_q8;
 }
 
 /* ---- called by beats.S, which is given: 0, the timer is stopped; TIMER_SET; or the beats of a tick
@@ -517,24 +476,23 @@ static uint8_t or_stop(bool goes_on)
 /* The tick is taken: its beats for beats.S to go on, or TIMER_SET. */
 static uint8_t hand_over(void)
 {
-    if (player.ramps == RAMP_SLOW) {
+    struct block *block = player.block;
+    if (block->ramps == RAMP_SLOW || block->outputs_due) {
         go_to_beat(true);
         return TIMER_SET;
     }
-    if (player.block->outputs_due)
-        make_outputs_of(player.block);
-    set_mode(beat.control_due ? MODE_SLOW : MODE_PHASES);
-    return player.beats;
+    set_mode(MODE_PHASES);
+    return block->beats;
 }
 
 static uint8_t take_next(void)
 {
     uint32_t cycles;
-    line_take();
+    line_poll();
     player.last_cycles = player.cycles;
     if (!find_tick(&cycles))
         return or_stop(false);
-    line_take();
+    line_poll();
     take_tick(cycles);
     return hand_over();
 }
@@ -542,15 +500,14 @@ static uint8_t take_next(void)
 /* A tick of a phase card was played and counted, and the next is no usual one. */
 uint8_t player_tick(void)
 {
-    if (player.done == player.piece_end && player.piece_is_last && go_over())
-        return player.beats;
-    if (player.ramps != RAMP_NONE)
-        player.interval_q8 += (uint32_t)player.add_q8;
-    if (WANT == _BV(IS_THROTTLED) && player.done != player.piece_end
-        && throttle_goes_on(player.interval_q8 >> 8, player.cycles)) {
+    struct block *block = player.block;
+    if (block->ramps != RAMP_NONE)
+        block->interval_q8 += (uint32_t)block->add_q8;
+    if (WANT == _BV(IS_THROTTLED) && player.done != block->piece_end
+        && throttle_goes_on(block->interval_q8 >> 8, player.cycles)) {
         player.last_cycles = player.cycles;
         player.chosen_at = player.done;
-        return player.beats;
+        return block->beats;
     }
     return take_next();
 }
@@ -559,7 +516,7 @@ uint8_t player_tick(void)
 uint8_t player_tick_chosen(void)
 {
     player.last_cycles = player.cycles;
-    take_tick(player.interval_q8 >> 8);
+    take_tick(player.block->interval_q8 >> 8);
     return hand_over();
 }
 
@@ -568,7 +525,7 @@ static uint16_t write_control(void)
 {
     uint8_t high = (uint8_t)((PORT_HIGH & DATA_HIGH_MASK) | beat.control_high);
     beat.control_due = false;
-    return write_control_at(player.due + LAG_CYCLES, high, beat.control_extra);
+    return write_control_at(player.due, high, beat.control_extra);
 }
 
 static void strobe_and_read(uint8_t n)
@@ -588,7 +545,7 @@ static uint16_t write_movements(void)
     if (beat.control_due) {
         late = write_control();
     } else if (count) {
-        late = write_data_at(player.due + LAG_CYCLES, entry->low, entry->high);
+        late = write_data_at(player.due, entry->low, entry->high);
         strobe_and_read(0);
         n = 1;
     } else {
@@ -629,19 +586,17 @@ static void play_rise(void)
     uint16_t late;
     if (beat.control_due) {
         late = write_control();
-        if (entry->bit)
+        if (beat.mask)
             write_pair(&PORT_LOW, entry->low, &PORT_HIGH, entry->high);
-    } else if (entry->bit) {
-        late = write_data_at(player.due + LAG_CYCLES, entry->low, entry->high);
+    } else if (beat.mask) {
+        late = write_data_at(player.due, entry->low, entry->high);
     } else {
         late = wait_for(player.due);
     }
     beat.pins[0] = PIN_STATUS;
     inputs_examine_beat();
     note_late(late, player.cycles);
-    uint32_t half = player.plan_cycles >> 1;
-    player.fall_cycles = half > card.facts.pulse_cycles ? half : card.facts.pulse_cycles;
-    player.not_before = player.fall_cycles + card.facts.pulse_cycles;
+    set_fall();
     hop.may_choose = false;
     tick_done();
     arm(MODE_FALL, player.fall_cycles);
@@ -650,7 +605,7 @@ static void play_rise(void)
 /* They go back to it; then directions may change, and the next interval is chosen. */
 static bool play_fall(void)
 {
-    uint16_t late = write_data_at(player.due + LAG_CYCLES, beat.rest.low, beat.rest.high);
+    uint16_t late = write_data_at(player.due, beat.rest.low, beat.rest.high);
     note_late(late, player.cycles >> 1);
     return go_on();
 }
@@ -664,13 +619,13 @@ uint8_t player_fell(void)
 /* A write of clock lines came late: rise or fall. */
 void player_clocks_late(void)
 {
-    note_late(player.late, player.mode == MODE_FAST_FALL ? player.cycles >> 1 : player.cycles);
+    note_late(player.late, MODE & _BV(MODE_FALLS) ? player.cycles >> 1 : player.cycles);
 }
 
 /* An interval that runs, chosen anew for a brake or a stop; false: no tick follows. */
 static bool choose_again(void)
 {
-    uint32_t cycles = player.interval_q8 >> 8, gone = hop.gone_cycles;
+    uint32_t cycles = player.block->interval_q8 >> 8, gone = hop.gone_cycles;
     player.cycles = player.last_cycles;
     if (!throttle_choose(&cycles, true))
         return false;
@@ -684,10 +639,10 @@ static bool choose_again(void)
         go_to_edge(cycles);
     }
     /* The wait counted from here; what has gone of it is taken off again. */
-    uint32_t wait = player.mode == MODE_HOP
+    uint32_t wait = MODE == MODE_HOP
         ? (hop.left << HOP_SHIFT) + hop.rest
         : (uint16_t)(player.due - due);
-    uint8_t mode = player.mode == MODE_HOP ? player.after_hops : player.mode;
+    uint8_t mode = MODE == MODE_HOP ? player.after_hops : MODE;
     player.due = due;
     arm(mode, wait > gone + SOON_CYCLES ? wait - gone : SOON_CYCLES);
     return true;
@@ -711,7 +666,7 @@ static bool play_hop(void)
 
 uint8_t player_play(void)
 {
-    switch (player.mode) {
+    switch (MODE) {
     case MODE_HOP:
         return or_stop(play_hop());
     case MODE_RISE:
@@ -753,13 +708,17 @@ void player_continue(void)
     player.cycles = player.last_cycles;
     if (!go_on())
         return;
-    if (player.mode != MODE_HOP) {
+    if (MODE != MODE_HOP) {
         uint16_t wait = player.due - was_due;
         cli();
-        uint16_t gone = TCNT1 - was_due + EARLY_CYCLES + NEAR_CYCLES;
+        uint16_t gone = TCNT1 - was_due + player.early + NEAR_CYCLES + SET_CYCLES;
         sei();
-        if (wait < gone)
-            note_late(gone - wait, player.cycles);
+        if (wait < gone) {
+            /* Moved even if it is little: a match in the past would come a whole turn of the timer
+             * later. */
+            player.due += gone - wait;
+            player.late_ticks += is_much(gone - wait, player.cycles);
+        }
         set_compare();
     }
     set_timer();
@@ -777,7 +736,7 @@ void player_drop(void)
     if (player.block)
         inputs_end_block();
     player.block = 0;
+    player.limits_owed = false;
     player.from_rest = true;
-    block_ready = 0;
     piece_tail = piece_head;
 }

@@ -26,28 +26,27 @@
 /* Why the player has stopped its timer. */
 enum halt { PLAYING, AT_END, AT_STOP, AT_HOLD, STARVED };
 
+/* What the next interrupt is: MODE_... of layout.h. */
+#define MODE GPIOR2
+
 /* The first part is read by beats.S: see layout.h. */
 struct player {
-    uint8_t mode;        /* what the next interrupt is */
     struct block *block; /* in hand, or 0 */
+    struct block *next;  /* may be gone over to in beats.S, or 0: see player_offer */
+    uint8_t taken;       /* blocks that were taken in hand, modulo 256 */
+    bool is_minded;      /* no block may be gone over to there: inputs want to know of it */
+    bool limits_owed;    /* the throttle has not seen the limits of the block in hand */
+    uint16_t serial;     /* block in hand, or the last one */
     uint16_t due;        /* low half of the time of the next write */
     ticks_t done;        /* ticks of the block that are played */
-    ticks_t piece_end;
-    uint8_t ramps;
-    uint32_t interval_q8;
-    int32_t add_q8;
+    ticks_t chosen_at;   /* `done` at the last choice in C */
     uint32_t cycles;      /* interval of the tick in hand, as it is played; 0: from rest */
-    uint32_t last_cycles; /* of the tick before, as of the last choice in C or of a ramp */
-    uint8_t beats;        /* of the tick in hand: 1, 2, 4 or 8 */
+    uint32_t last_cycles; /* of the tick before, as of the last choice in C */
     uint8_t beats_left;
-    uint16_t beat_cycles; /* of each, if the interval is not a far one */
-    uint8_t lag_cycles;   /* by which the last beat is longer */
     uint8_t moved;        /* motors moved in the tick in hand */
     uint16_t late;        /* with IS_LATE: by how much */
-    uint16_t shortest;    /* interval from which on it is divided; 0xFFFF: never */
     uint8_t patience;     /* beats until the main loop gets a turn in any case */
     uint16_t late_ticks;
-    uint8_t early;        /* by which the compare match comes before the deadline */
 
     uint32_t plan_cycles; /* clock lines: the interval as chosen */
     uint32_t fall_cycles; /* from the edge to the fall */
@@ -55,12 +54,10 @@ struct player {
     bool is_made_out;     /* clock lines: motors of the next edge are known already */
     uint16_t wait_cycles; /* clock lines: from the fall to the next edge, if it is steady */
 
+    uint8_t early;        /* by which the compare match comes before the deadline */
     uint8_t after_hops;   /* mode of the interrupt that is waited for */
-    bool piece_is_last;
     bool from_rest;       /* the next block is the first of a run */
-    ticks_t chosen_at;    /* `done` at the last choice in C */
     volatile uint8_t halt;
-    uint16_t serial;      /* block in hand, or the last one */
 };
 
 extern struct player player;
@@ -75,18 +72,29 @@ void player_continue(void);
 void player_rest(void);
 /* First piece known: what can be worked out ahead of the block's first tick. Main loop. */
 void player_prepare(struct block *block);
+/* The same for a later piece of it. */
+void player_prepare_piece(const struct block *block, struct piece *piece);
 /* What the tick played last took; 0 at rest. */
 uint32_t player_last(void);
 /* The block in hand is given up. */
 void player_drop(void);
 
-/* Slots between reader and player. */
+/* A block was decoded, or what the throttle minds has changed: whether the next block may be gone
+ * over to in beats.S. Main loop, or interrupt. */
+void player_offer(void);
+
+/* Slots between reader and player: the n-th block is in slot n modulo 2. */
 extern struct block blocks[2];
-extern volatile uint8_t block_ready; /* a bit per slot: decoded, not yet taken */
-extern uint8_t block_next;           /* slot that is taken next */
+extern uint8_t blocks_read; /* decoded so far, modulo 256 */
 extern struct piece pieces[PIECES];
 extern volatile uint8_t piece_head, piece_tail;
 /* Whole records in the ring, not decoded yet. */
 extern volatile uint16_t records_waiting;
+
+/* A block is decoded and not taken. */
+static inline bool player_has_block(void)
+{
+    return *(volatile uint8_t *)&blocks_read != *(volatile uint8_t *)&player.taken;
+}
 
 #endif

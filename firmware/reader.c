@@ -35,9 +35,10 @@ static struct {
     ticks_t ticks; /* in the pieces so far */
     uint32_t goes_on_q8;
     uint32_t exit_cycles;
-    uint32_t accel_q, jump_q8, jump_cycles;
+    uint32_t accel_q, jump_q8, jump_cycles, jump_before;
     uint16_t override_q8;
     uint8_t data;
+    bool is_ramp; /* the last piece changes its interval */
     uint16_t serial;
 } reading;
 
@@ -45,15 +46,18 @@ static struct {
 
 static void store(const uint8_t *bytes, uint8_t count)
 {
-    uint8_t *to = ring + head;
+    uint16_t room = BOARD_RING - head;
     used += count;
-    while (count--) {
-        *to++ = *bytes++;
-        if (to == ring + BOARD_RING)
-            to = ring;
+    if (count >= room) {
+        memcpy(ring + head, bytes, room);
+        bytes += room;
+        count -= (uint8_t)room;
+        head = 0;
         line_poll();
     }
-    head = (uint16_t)(to - ring);
+    memcpy(ring + head, bytes, count);
+    head += count;
+    line_poll();
 }
 
 static uint8_t take_u8(void)
@@ -97,7 +101,7 @@ bool reader_has_bytes(void)
 
 bool reader_has_ready(void)
 {
-    return player.block ? piece_head != piece_tail : block_ready & _BV(block_next);
+    return player.block ? piece_head != piece_tail : player_has_block();
 }
 
 /* ---- arrival */
@@ -112,6 +116,7 @@ static void set_dry_point(void)
     __asm__ __volatile__("" ::: "memory");
     throttle.dry_point = true;
     /* A block that begins from now on sees it itself. */
+    player_offer();
     if ((int16_t)(*(volatile uint16_t *)&player.serial - throttle.dry_serial) >= 0)
         wish(MAY_RUN_DRY);
 }
@@ -187,7 +192,8 @@ void reader_drop(void)
     reading.jump_cycles = RATE_CYCLES;
     reading.data = card.data;
     reading.serial = arrival.serial;
-    block_next = 0;
+    blocks_read = player.taken = 0;
+    player.next = 0;
     arrival.wants = LENGTH;
 }
 
@@ -268,10 +274,14 @@ static uint32_t take_steps(struct block *block, uint8_t shape, ticks_t steps[])
     return longest;
 }
 
+/* Eighths of these many ticks take 16 bits. */
+#define NARROW_TICKS (0x10000UL >> 3)
+
 static void set_minors(struct block *block, const ticks_t steps[])
 {
     uint8_t count = 0;
     block->limit = block->ticks << 3;
+    block->narrow = block->wide = 0;
     for (uint8_t motor = 0; motor < MOTORS_MAX; motor++) {
         uint8_t bit = (uint8_t)_BV(motor);
         line_poll();
@@ -284,20 +294,23 @@ static void set_minors(struct block *block, const ticks_t steps[])
         block->minor_bits[count] = bit;
         count++;
     }
-    block->minors = count;
+    if (block->ticks < NARROW_TICKS)
+        block->narrow = count;
+    else
+        block->wide = count;
 }
 
 /* Direction bits of the motors that move; the others keep theirs. */
 static void set_data(struct block *block)
 {
-    uint8_t data = reading.data;
-    for (uint8_t motor = 0; motor < card.facts.motors; motor++) {
-        uint8_t line = (uint8_t)_BV(2 * motor);
-        if (!(block->moving & _BV(motor)))
-            continue;
-        bool forward = block->forward & _BV(motor);
-        data = forward == (card.facts.forward_high != 0) ? data | line : data & (uint8_t)~line;
-    }
+    uint8_t data = reading.data, line = 1, highs = block->forward;
+    if (!card.facts.forward_high)
+        highs = ~highs;
+    for (uint8_t bit = 1; bit < _BV(MOTORS_MAX); bit <<= 1, line <<= 2)
+        if (block->moving & bit)
+            data = highs & bit ? data | line : data & (uint8_t)~line;
+    if (data != reading.data)
+        block->is_plain = false; /* directions turn */
     block->data = reading.data = data;
 }
 
@@ -312,10 +325,11 @@ static void take_watch(struct block *block)
 static void block_is_ready(void)
 {
     reading.is_ready = true;
+    blocks_read++;
     cli();
-    block_ready |= (uint8_t)_BV(reading.slot);
     records_waiting--;
     sei();
+    player_offer();
 }
 
 static void read_head(void)
@@ -336,6 +350,8 @@ static void read_head(void)
     block->accel_q = reading.accel_q;
     block->jump_q8 = reading.jump_q8;
     block->jump_cycles = reading.jump_cycles;
+    block->jump_before = reading.jump_before;
+    reading.jump_before = block->moving ? reading.jump_cycles : 0;
     block->override_q8 = reading.override_q8;
     block->top_cycles = rare & RARE_TOP ? take(3) : 0;
     block->watch_pins = 0;
@@ -346,19 +362,23 @@ static void read_head(void)
         block->outputs = take_u8();
     block->flags = 0;
     block->beats = 0;
-    block->is_plain = false;
+    block->is_plain = true;
     block->shortest = 0xFFFF;
     block->serial = ++reading.serial;
     block->entry_cycles = 0;
+    block->piece_end = 0;
+    block->piece_is_last = true;
     block->exit_cycles = reading.exit_cycles;
     line_poll();
-    set_data(block);
+    if (card.facts.type == CARD_CLOCKS)
+        set_data(block);
     reading.is_ready = false;
     reading.ticks = 0;
     reading.goes_on_q8 = 0;
     reading.pieces_left = count;
     if (!count) {
         reading.exit_cycles = 0;
+        block->is_plain = false;
         block_is_ready();
         reading.slot ^= 1;
     }
@@ -387,9 +407,9 @@ static int32_t take_add(uint8_t shape)
 }
 
 /* First piece known: the block can be played. */
-static void finish_block(struct block *block, uint32_t interval_q8)
+static void finish_block(struct block *block)
 {
-    block->entry_cycles = interval_q8 >> 8;
+    block->entry_cycles = block->interval_q8 >> 8;
     if (!block->top_cycles)
         block->top_cycles = block->entry_cycles;
     if (block->override_q8 > throttle.override_q8)
@@ -401,7 +421,6 @@ static void finish_block(struct block *block, uint32_t interval_q8)
 static void read_piece(void)
 {
     struct block *block = &blocks[reading.slot];
-    struct piece *piece = &pieces[piece_head];
     uint8_t shape = take_u8();
     ticks_t ticks = take_ticks(shape, block);
     uint32_t interval_q8 = take_interval(shape);
@@ -409,33 +428,50 @@ static void read_piece(void)
     line_poll();
     reading.ticks += ticks;
     reading.goes_on_q8 = interval_q8 + (uint32_t)ticks * (uint32_t)add_q8;
-    piece->end = reading.ticks;
-    piece->interval_q8 = interval_q8;
-    piece->add_q8 = add_q8;
-    piece->last = --reading.pieces_left == 0;
+    bool is_last = --reading.pieces_left == 0;
     bool is_whole = !block->moving || reading.ticks == block->ticks;
-    if (!ticks || (piece->last && !is_whole) || (block->moving && interval_q8 < 256)) {
+    if (!ticks || (is_last && !is_whole) || (block->moving && interval_q8 < 256)) {
         refuse();
         return;
     }
-    if (piece->last) {
+    if (is_last) {
         if (!block->moving)
             block->ticks = reading.ticks;
         reading.exit_cycles = block->moving ? (reading.goes_on_q8 - (uint32_t)add_q8) >> 8 : 0;
     }
-    piece_head = (uint8_t)(piece_head + 1) & (PIECES - 1);
-    if (!reading.is_ready)
-        finish_block(block, interval_q8);
-    if (piece->last)
+    bool was_ramp = reading.is_ramp;
+    reading.is_ramp = add_q8 != 0;
+    bool turns_boost = card.facts.type == CARD_CLOCKS && reading.is_ramp != was_ramp;
+    if (reading.is_ready) {
+        struct piece *piece = &pieces[piece_head];
+        piece->end = reading.ticks;
+        piece->interval_q8 = interval_q8;
+        piece->add_q8 = add_q8;
+        piece->last = is_last;
+        player_prepare_piece(block, piece);
+        if (turns_boost)
+            piece->ramps = RAMP_SLOW;
+        piece_head = (uint8_t)(piece_head + 1) & (PIECES - 1);
+    } else {
+        block->piece_end = reading.ticks;
+        block->interval_q8 = interval_q8;
+        block->add_q8 = add_q8;
+        block->piece_is_last = is_last;
+        block->is_plain &= !turns_boost;
+        finish_block(block);
+    }
+    if (is_last)
         reading.slot ^= 1;
 }
 
-/* Ratios of the coming junction, for a throttle that may not be open then. */
+/* Ratios of the coming junction, for a throttle that may not be open then. While it is open, what
+ * comes over the line goes first. */
 static bool prepare_junction(void)
 {
-    uint8_t slot = block_next;
-    struct block *block = &blocks[slot];
-    if (!(block_ready & _BV(slot)) || block->flags & BLOCK_RATIOS)
+    if (throttle.state == OPEN && line_waiting())
+        return false;
+    struct block *block = &blocks[*(volatile uint8_t *)&player.taken & 1];
+    if (!player_has_block() || block->flags & BLOCK_RATIOS)
         return false;
     if (!block->moving || !block->exit_cycles || !block->entry_cycles)
         return false;
@@ -446,18 +482,23 @@ static bool prepare_junction(void)
     return true;
 }
 
+static bool is_slot_free(void)
+{
+    uint8_t ahead = blocks_read - *(volatile uint8_t *)&player.taken;
+    return ahead < 2 && player.block != &blocks[reading.slot];
+}
+
 bool reader_service(void)
 {
     if (reading.is_broken)
         return false;
     if (reading.pieces_left) {
-        if (((piece_head + 1) & (PIECES - 1)) == piece_tail)
+        if (reading.is_ready && ((piece_head + 1) & (PIECES - 1)) == piece_tail)
             return prepare_junction();
         read_piece();
         return true;
     }
-    bool is_slot_free = !(block_ready & _BV(reading.slot)) && player.block != &blocks[reading.slot];
-    if (records_waiting && is_slot_free) {
+    if (records_waiting && is_slot_free()) {
         read_head();
         return true;
     }

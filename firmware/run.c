@@ -48,7 +48,7 @@ void run_set_up(const struct block *block)
 void run_show_ramp(void)
 {
     if (card.facts.type == CARD_CLOCKS)
-        card_signals(true, throttle.state != OPEN || player.add_q8 != 0);
+        card_signals(true, throttle.state != OPEN || player.block->add_q8 != 0);
 }
 
 /* ---- in the main loop */
@@ -76,14 +76,15 @@ static void rest(void)
 
 static bool has_work(void)
 {
-    return player.block || block_ready || records_waiting;
+    return player.block || player_has_block() || records_waiting;
 }
 
 /* Motors that stop above their start/stop rate may have turned on. */
 static void note_torn(void)
 {
+    throttle_settle_limits();
     bool before = player.block && !player.done;
-    uint32_t jump = before ? throttle.jump_of_last : throttle.jump_cycles;
+    uint32_t jump = before ? player.block->jump_before : throttle.jump_cycles;
     uint32_t last = player_last();
     if (!last || last >= jump - (jump >> 4))
         return;

@@ -2,7 +2,7 @@
  *
  *   main loop                               timer interrupt
  *   ring -> reader -> struct block [2]  ->  the block in hand, beat after beat
- *                  -> struct piece [4]  ->  its intervals
+ *                  -> struct piece [4]  ->  its intervals from the second piece on
  *   urgents -> WANT ------------------->    looked at when an interval is chosen
  *
  * Rule 1: the interrupt owns the block in hand and the pieces taken; the main loop owns the slots
@@ -18,6 +18,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "layout.h"
 #include "protocol.h"
 
 typedef __uint24 ticks_t; /* also eighths of ticks: 2^21 - 1 ticks in a block at most */
@@ -25,7 +26,7 @@ typedef __uint24 ticks_t; /* also eighths of ticks: 2^21 - 1 ticks in a block at
 #define RATE_CYCLES 4096000000UL /* rate_q8 times interval in cycles */
 #define SLICE_CYCLES 16000
 #define LATENCY_CYCLES 4096
-#define CRITICAL_CYCLES 24
+#define CRITICAL_CYCLES 18
 
 /* Wishes and conditions because of which an interval is not simply the plan's. */
 #define WANT GPIOR0
@@ -63,12 +64,25 @@ struct minor {
     struct mover mover;
 };
 
-/* The first part is read by beats.S: see layout.h. */
+/* A block, and where its time law stands: the interrupt goes over to the next one by a pointer.
+ * The first part is read by beats.S: see layout.h. */
 struct block {
     struct minor minor[MOTORS_MAX - 1];
     struct mover leader;
     ticks_t limit;  /* eighths of ticks */
-    uint8_t minors; /* how many */
+    uint8_t narrow; /* how many minors, if their sums take 16 bits; else 0 */
+    uint8_t wide;   /* how many, if they take 24 */
+    uint8_t ramps;
+    ticks_t piece_end; /* ticks of the block that are done after the piece in hand */
+    uint32_t interval_q8;
+    int32_t add_q8;
+    bool piece_is_last;
+    uint8_t beats; /* of the tick in hand: 1, 2, 4 or 8; 0: not known */
+    uint16_t beat_cycles; /* of each, if the interval is not a far one */
+    uint8_t lag_cycles;   /* by which the last beat is longer */
+    uint16_t shortest;    /* interval from which on a tick is divided; 0xFFFF: never */
+    uint16_t serial;
+    uint32_t entry_cycles; /* first interval of the plan; 0: no piece */
     uint8_t moving; /* motors, a bit each; 0: a dwell */
     ticks_t steps[MOTORS_MAX - 1]; /* of the minors */
     uint8_t leading; /* the leader's bit */
@@ -79,17 +93,13 @@ struct block {
     bool outputs_due; /* still to be made */
     uint8_t outputs;  /* mask << 4 | value */
     uint8_t watch_pins, watch_value, watch_action; /* pins 0: none */
-    uint16_t serial;
     uint16_t override_q8;
-    bool is_plain;        /* nothing but motion, from motion: taken without much ado */
-    uint8_t beats;        /* of its first tick; 0: not known */
-    uint16_t beat_cycles;
-    uint16_t shortest;    /* interval from which on a tick is divided */
+    bool is_plain; /* nothing but motion, from motion: taken without much ado */
     ticks_t ticks;
     uint32_t accel_q;
     uint32_t jump_q8;
     uint32_t jump_cycles;
-    uint32_t entry_cycles; /* first interval of the plan; 0: no piece */
+    uint32_t jump_before;  /* of the block before */
     uint32_t exit_cycles;  /* last interval of the plan of the block before; 0: from rest */
     uint32_t top_cycles;   /* shortest interval of the plan */
     uint32_t slower_q16, faster_q16; /* entry / exit, exit / entry */
@@ -100,13 +110,18 @@ struct block {
 #define BLOCK_RATIOS 0x01  /* slower_q16 and faster_q16 are ready */
 #define BLOCK_CEILING 0x02 /* ceiling_q8 is ready */
 
+/* A piece of a time law that is not the first one: that one stands in the block. */
 struct piece {
     ticks_t end; /* ticks of the block that are done after it */
     uint32_t interval_q8;
     int32_t add_q8;
     bool last;
+    uint8_t ramps; /* RAMP_SLOW: taken by C */
 };
 
-#define PIECES 4
+static inline uint8_t minors_of(const struct block *block)
+{
+    return block->narrow + block->wide;
+}
 
 #endif

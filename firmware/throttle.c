@@ -242,6 +242,7 @@ static bool limit_interval(uint32_t *cycles, uint32_t last)
 bool throttle_choose(uint32_t *cycles, bool again)
 {
     uint32_t last = player.last_cycles;
+    throttle_settle_limits();
     if (wished(WANT_STOP)) {
         player.halt = AT_STOP;
         return false;
@@ -297,6 +298,23 @@ static void scale(const struct block *block, uint32_t exit)
     throttle.mark = 0;
 }
 
+static void take_limits(const struct block *block)
+{
+    throttle.accel_q = block->accel_q;
+    throttle.jump_q8 = block->jump_q8;
+    throttle.jump_cycles = block->jump_cycles;
+}
+
+void throttle_settle_limits(void)
+{
+    if (!player.limits_owed)
+        return;
+    player.limits_owed = false;
+    throttle.turn++;
+    throttle.is_steady = false;
+    take_limits(player.block);
+}
+
 void throttle_enter(const struct block *block, uint32_t exit)
 {
     if (may_run_dry())
@@ -305,7 +323,6 @@ void throttle_enter(const struct block *block, uint32_t exit)
         wish(IS_LIMITED);
     throttle.is_steady = false;
     throttle.turn++;
-    throttle.jump_of_last = throttle.jump_cycles;
     if (!block->moving) {
         throttle.jump_cycles = 0;
         if (throttle.state == OPENING || throttle.state == LIMITED)
@@ -314,9 +331,7 @@ void throttle_enter(const struct block *block, uint32_t exit)
     }
     if (exit && block->entry_cycles && throttle.state != OPEN && throttle.state != HELD)
         scale(block, exit);
-    throttle.accel_q = block->accel_q;
-    throttle.jump_q8 = block->jump_q8;
-    throttle.jump_cycles = block->jump_cycles;
+    take_limits(block);
     if (throttle.state == OPEN && !exit && is_above_jump(block->entry_cycles)) {
         /* The plan begins at speed, but what came before it was late or dropped. */
         throttle_hold();
@@ -324,10 +339,10 @@ void throttle_enter(const struct block *block, uint32_t exit)
     }
 }
 
-void throttle_service(void)
+void throttle_work_ahead(void)
 {
     uint8_t turn = *(volatile uint8_t *)&throttle.turn;
-    if (throttle.ready == turn || throttle.state == OPEN || throttle.state == HELD)
+    if (throttle.ready == turn)
         return;
     struct move move = {throttle.state, throttle.rate_q8, throttle.cycles};
     uint32_t mark = throttle.mark;
@@ -357,15 +372,15 @@ void throttle_prepare(struct block *block)
 void throttle_set_override(uint16_t override_q8)
 {
     /* The interrupt must not see a new override with an old ceiling. */
-    for (uint8_t slot = 0; slot < 2; slot++) {
-        uint8_t sreg = SREG;
-        cli();
-        blocks[slot].flags &= (uint8_t)~BLOCK_CEILING;
-        throttle.override_q8 = override_q8;
-        SREG = sreg;
-    }
+    uint8_t sreg = SREG;
+    cli();
+    blocks[0].flags &= (uint8_t)~BLOCK_CEILING;
+    blocks[1].flags &= (uint8_t)~BLOCK_CEILING;
+    throttle.override_q8 = override_q8;
+    SREG = sreg;
     for (uint8_t slot = 0; slot < 2; slot++)
         if (blocks[slot].override_q8 > override_q8 && blocks[slot].top_cycles)
             throttle_prepare(&blocks[slot]);
+    player_offer();
     wish(IS_LIMITED);
 }

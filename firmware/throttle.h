@@ -13,9 +13,11 @@
  *
  * Rule 1: every integer is the core's (fraese/motor/throttle.py): same state, same cycles.
  * Rule 2: all of this runs where an interval is chosen, in the interrupt. What takes a division is
- *         worked out ahead by the main loop (throttle_service). What is not ready when it is needed
+ *         worked out ahead by the main loop (throttle_work_ahead). What is not ready when it is needed
  *         is worked out on the spot, and counted: late_throttle.
- * Rule 3: `turn` changes with every change that makes work done ahead worthless; a result counts
+ * Rule 3: while it is open and nothing is wished, blocks are taken in hand without it; their limits
+ *         are owed, and settled before anything is decided.
+ * Rule 4: `turn` changes with every change that makes work done ahead worthless; a result counts
  *         only for the turn that it was made for.
  */
 #ifndef THROTTLE_H
@@ -25,7 +27,11 @@
 
 enum throttle_state { OPEN, CLOSING, HELD, OPENING, LIMITED };
 
+/* The first part is read by beats.S: see layout.h. */
 struct throttle {
+    volatile bool dry_point; /* there is one: */
+    uint16_t dry_serial;
+    ticks_t dry_tick;
     volatile uint8_t state;
     uint8_t turn;
     bool is_steady;     /* nothing changes before `elapsed` reaches `steady_until` */
@@ -37,16 +43,12 @@ struct throttle {
     uint32_t elapsed;
     uint32_t mark;      /* elapsed when the move was decided; 0: none waits */
     uint32_t accel_q, jump_q8, jump_cycles;
-    uint32_t jump_of_last; /* jump_cycles of the block before */
     uint32_t ceiling_q8; /* 0: none */
     uint8_t ready;      /* turn that `next_*` was worked out for */
     uint8_t next_state;
     uint32_t next_rate_q8, next_cycles;
     uint16_t override_q8; /* as wanted */
     bool dry;             /* closed for want of blocks */
-    volatile bool dry_point;
-    uint16_t dry_serial;
-    ticks_t dry_tick;
     uint8_t dry_queues;
     uint8_t late_throttle;
 };
@@ -74,11 +76,20 @@ void throttle_enter(const struct block *block, uint32_t exit_cycles);
 void throttle_open(void);
 void throttle_hold(void);
 void throttle_reset(void);
-/* Work ahead, in the main loop. */
-void throttle_service(void);
+/* Work ahead, in the main loop, while it has something to say. */
+void throttle_work_ahead(void);
 void throttle_set_override(uint16_t override_q8);
 /* Ceiling of a block under the override that is wanted now, if there is one. */
 void throttle_prepare(struct block *block);
+
+/* See the limits of blocks that beats.S took in hand. */
+void throttle_settle_limits(void);
+
+static inline void throttle_service(void)
+{
+    if (throttle.state != OPEN && throttle.state != HELD)
+        throttle_work_ahead();
+}
 
 static inline bool throttle_is_closed(void)
 {
@@ -97,15 +108,5 @@ static inline bool throttle_minds(const struct block *block)
         || (throttle.dry_point && (int16_t)(block->serial - throttle.dry_serial) >= 0);
 }
 
-/* The limits of the block that is taken in hand. */
-static inline void throttle_take_limits(const struct block *block)
-{
-    throttle.turn++;
-    throttle.is_steady = false;
-    throttle.jump_of_last = throttle.jump_cycles;
-    throttle.accel_q = block->accel_q;
-    throttle.jump_q8 = block->jump_q8;
-    throttle.jump_cycles = block->jump_cycles;
-}
 
 #endif

@@ -34,7 +34,8 @@ class Repair(IntFlag):
     FLAG_WRITES = 1 << 9
     SLEEP = 1 << 10
     WRITE_END = 1 << 11
-    ALL = (1 << 12) - 1
+    EARLY_MATCH = 1 << 12
+    ALL = (1 << 13) - 1
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,8 @@ enum sim_repair {
     SIM_REPAIR_FLAG_WRITES = 1 << 9,   /* TIFRn and PINn: only the ones written count */
     SIM_REPAIR_SLEEP = 1 << 10,        /* sleep without the wall clock, wake-up in 4 cycles */
     SIM_REPAIR_WRITE_END = 1 << 11,    /* a write is dated when its instruction ends */
-    SIM_REPAIR_ALL = (1 << 12) - 1,
+    SIM_REPAIR_EARLY_MATCH = 1 << 12,  /* a match just after an overflow is not missed */
+    SIM_REPAIR_ALL = (1 << 13) - 1,
 };
 
 /* Kinds of event in the log: 'B' 'C' 'D' a port was written, 'b' 'c' 'd' its direction register

@@ -7,6 +7,7 @@
  * Rule 4: a stopped timer keeps its count and takes a new one.
  * Rule 5: a timer starts when the instruction that starts it ends, and is read in the last cycle of
  *         the one that reads it: LDS takes two.
+ * Rule 6: a match is found at its cycle, also when the overflow just before it is seen late.
  */
 #include "simstate.h"
 
@@ -169,10 +170,46 @@ static void tick_at_zero_if_so(sim_t *sim) {
         sim_at(sim, sim->avr->cycle + period_cycles, match_at_zero);
 }
 
+/* ---- timer 1 in normal mode with a small OCR1A: stock sets the match up when the overflow is seen,
+ *      after the instruction that ran over it; by then it may have passed ---- */
+
+#define LONGEST_CYCLES 16 /* an instruction and an interrupt's entry are shorter */
+
+/* Clocks after an overflow, in cycles, at which it matches; 0: later, or not at all. */
+static uint64_t early_match_cycles(const sim_t *sim) {
+    const avr_timer_t *io = sim->timers.timer[1];
+    uint64_t match_cycles = io->comp[0].comp_cycles;
+    int is_normal = io->wgm_op_mode_kind == avr_timer_wgm_normal && io->tov_cycles;
+    return is_normal && match_cycles <= LONGEST_CYCLES ? match_cycles : 0;
+}
+
+static avr_cycle_count_t match_early(avr_t *avr, avr_cycle_count_t when, void *param) {
+    (void)param;
+    sim_t *sim = sim_of(avr);
+    avr_timer_t *io = sim->timers.timer[1];
+    if (!early_match_cycles(sim))
+        return 0;
+    if (!avr_regbit_get(avr, io->comp[0].interrupt.raised))
+        avr_raise_interrupt(avr, &io->comp[0].interrupt);
+    return when + io->tov_cycles;
+}
+
+static void expect_early_match(sim_t *sim) {
+    const avr_timer_t *io = sim->timers.timer[1];
+    uint64_t match_cycles = early_match_cycles(sim);
+    avr_cycle_timer_cancel(sim->avr, match_early, NULL);
+    if (match_cycles)
+        sim_at(sim, io->tov_base + io->tov_cycles + match_cycles, match_early);
+}
+
 static void write_ocr1a(avr_t *avr, avr_io_addr_t address, uint8_t value, void *param) {
     (void)param;
-    stock_write(sim_of(avr), address, value);
-    tick_at_zero_if_so(sim_of(avr));
+    sim_t *sim = sim_of(avr);
+    stock_write(sim, address, value);
+    if (sim_repairs(sim, SIM_REPAIR_CTC_ZERO))
+        tick_at_zero_if_so(sim);
+    if (sim_repairs(sim, SIM_REPAIR_EARLY_MATCH))
+        expect_early_match(sim);
 }
 
 /* ---- clock select and mode ---- */
@@ -190,6 +227,8 @@ static void write_control(avr_t *avr, avr_io_addr_t address, uint8_t value, void
         put_count(sim, timer, sim->timers.held[timer]);
     if (timer == 1 && sim_repairs(sim, SIM_REPAIR_CTC_ZERO))
         tick_at_zero_if_so(sim);
+    if (timer == 1 && sim_repairs(sim, SIM_REPAIR_EARLY_MATCH))
+        expect_early_match(sim);
 }
 
 /* ---- reset and open ---- */
@@ -220,6 +259,6 @@ void timers_open(sim_t *sim) {
     }
     if (sim_repairs(sim, SIM_REPAIR_STOPPED_COUNT))
         open_counts(sim);
-    if (sim_repairs(sim, SIM_REPAIR_CTC_ZERO))
+    if (sim_repairs(sim, SIM_REPAIR_CTC_ZERO) || sim_repairs(sim, SIM_REPAIR_EARLY_MATCH))
         put_seam(sim, OCR1AL, write_ocr1a);
 }

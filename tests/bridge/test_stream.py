@@ -78,6 +78,20 @@ def test_motion_held_in_the_queue() -> None:
     stream.finish()
 
 
+def test_blocks_shorter_than_their_decoding() -> None:
+    """The queue waits for each of them, and goes on at once: never for a turn of the timer."""
+    blocks = [
+        Block((1, 1, 1), (Piece(1, interval * 256),), 1000, 255 << 16, 1, ends_at_rest=False)
+        for interval in range(2000, 6000, 50)
+    ]
+    device = device_for(PHASES)
+    device.push([*blocks[:-1], blocks[-1]._replace(ends_at_rest=True)])
+    device.start()
+    assert device.stand_still().ended == c.ENDED_TARGET
+    leader = [w.cycle for w in device_writes(device) if w.register == 0 and w.value >> 6 == 0]
+    assert max(b - a for a, b in pairwise(leader[1:])) < 20_000
+
+
 def test_damaged_frames_never_move_a_motor() -> None:
     blocks = curve(1500, 2600, 24, seed=3)
     device = device_for(PHASES)

@@ -96,6 +96,13 @@ def matches_at_zero(repairs: Repair) -> object:
     return values(ran("zero", repairs), "B")
 
 
+def matches_in_ten_turns(repairs: Repair) -> object:
+    avr = powered("overflow", repairs)
+    avr.run(10 * 65_536 + 1_000)
+    # It begins at 0, and matches then.
+    return sum(cycle > LONG_CYCLES for cycle in cycles(avr, "B"))
+
+
 def counts_of_a_stopped_timer(repairs: Repair) -> object:
     avr = ran("stopped", repairs)
     running, (stopped, again) = values(avr, "B")[0], values(avr, "D")
@@ -143,6 +150,7 @@ FACTS: list[tuple[Repair, Measure, object]] = [
     (Repair.EQUAL_WRITES, writes_of_one_value, [5, 5, 5]),
     (Repair.LATE_ENABLE, late_interrupts, 1),
     (Repair.CTC_ZERO, matches_at_zero, [1]),
+    (Repair.EARLY_MATCH, matches_in_ten_turns, 10),
     (Repair.STOPPED_COUNT, counts_of_a_stopped_timer, (True, True, True)),
     (Repair.DRIVEN_PINS, driven_pin_after_a_write_beside_it, [0]),
     (Repair.FLAG_WRITES, flags_left_and_pins_toggled, (True, [1, 3])),
