@@ -17,11 +17,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from bench.inorder import InOrder
 from fraese.blocks import CYCLES_PER_S, Block, Piece, accel_q_from_hz_s, rate_q8_from_hz
 from fraese.motor.bridge.driver import BridgeDriver
 from fraese.motor.bridge.line import Line
 from fraese.motor.cards.smc1500 import SmcCard
-from fraese.motor.phases import MOTRUN
 from fraese.motor.seams import DATA
 from rigs.avr.board import Decoder
 from rigs.avr.simavr import Avr
@@ -218,14 +218,12 @@ def key_to_braking_ms(rate_hz: float, tries: int = 20) -> list[float]:
     return found_ms
 
 
-def damaged_line(steps_wanted: int, rate_hz: float) -> tuple[int, int, int, bool]:
-    """Random blocks on a bad line: steps made, damage, frames sent again, all in order."""
+def damaged_line(steps_wanted: int, rate_hz: float) -> str:
+    """Random blocks on a line that damages both ways: every step once and in order?"""
     rig = Rig(DAMAGED_ONE_IN)
     blocks, pending = ramped(rate_hz), list[Block]()
-    wanted = [Ways() for _ in range(3)]
-    made = [Made(motor) for motor in range(3)]
-    in_order, total, pushed = True, 0, 0
-    running = True
+    order = InOrder(rig.chip.avr, 3)
+    pushed, running = 0, True
     while running:
         while pushed < steps_wanted:
             block = pending.pop() if pending else next(blocks)
@@ -233,67 +231,17 @@ def damaged_line(steps_wanted: int, rate_hz: float) -> tuple[int, int, int, bool
                 pending.append(block)
                 break
             pushed += sum(map(abs, block.steps))
-            for ways, n in zip(wanted, block.steps, strict=True):
-                ways.add(n)
+            order.want(block.steps)
         report = rig.driver.poll(0.05)
         running = report.running
-        writes = rig.chip.movements()
-        for ways, motor in zip(wanted, made, strict=True):
-            steps = motor.steps(writes)
-            total += len(steps)
-            in_order = in_order and ways.begin_with(steps)
+        order.look()
     # What ends at speed runs dry, and waits in the middle of a block.
-    counted = sum(report.travelled_steps)
-    return total, rig.line.damaged, rig.driver.session.link.resent, in_order and counted == total
-
-
-class Ways:
-    """Steps that one motor should make, as runs of a sign."""
-
-    def __init__(self) -> None:
-        self._runs: list[tuple[int, int]] = []
-
-    def add(self, n: int) -> None:
-        if n:
-            self._runs.append((1 if n > 0 else -1, abs(n)))
-
-    def begin_with(self, steps: np.ndarray) -> bool:
-        """Whether the next steps are these; they are taken off."""
-        at = 0
-        while at < len(steps):
-            if not self._runs:
-                return False
-            sign, count = self._runs.pop(0)
-            part = steps[at : at + count]
-            if not bool(np.all(part == sign)):
-                return False
-            at += len(part)
-            if len(part) < count:
-                self._runs.insert(0, (sign, count - len(part)))
-        return True
-
-
-class Made:
-    """Steps that one motor made, read off its data bytes."""
-
-    def __init__(self, motor: int) -> None:
-        self._motor = motor
-        self._phase = 0
-        self._index = np.full(64, -1)
-        self._index[list(MOTRUN)] = range(len(MOTRUN))
-
-    def steps(self, writes: np.ndarray) -> np.ndarray:
-        """Signed steps since the last call; a byte that is not a neighbour counts as 9."""
-        values = writes["value"][writes["value"] >> 6 == self._motor] & 0x3F
-        phases = self._index[values]
-        phases = phases[phases >= 0]
-        before = np.concatenate([[self._phase], phases[:-1]]) if len(phases) else phases
-        turned = (phases - before) % len(MOTRUN)
-        if len(phases):
-            self._phase = int(phases[-1])
-        signs = np.select([turned == 1, turned == len(MOTRUN) - 1, turned == 0], [1, -1, 0], 9)
-        chosen: np.ndarray = signs[signs != 0]
-        return chosen
+    agrees = order.holds and sum(report.travelled_steps) == order.made
+    return (
+        f"{order.made} made of {pushed}, {order.left} wait in a queue that ran dry, "
+        f"{rig.line.damaged} pieces damaged, {rig.driver.session.link.resent} frames again, "
+        f"in order and as counted: {agrees}"
+    )
 
 
 def _print(name: str, figure: Callable[[], str]) -> None:
@@ -331,9 +279,7 @@ def main() -> None:
         )
     _print(
         f"{steps} steps, one frame in {DAMAGED_ONE_IN} damaged",
-        lambda: "{} made, {} damaged, {} frames again, in order: {}".format(
-            *damaged_line(steps, FULL_RATE_HZ)
-        ),
+        lambda: damaged_line(steps, FULL_RATE_HZ),
     )
 
 
