@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from bench.inorder import InOrder
+from bench.inorder import DataBytes, InOrder
 from fraese.blocks import Block, Piece
 from fraese.motor.bridge import constants as c
 from tests.bridge.device import MS, Device
@@ -129,8 +129,7 @@ def damage_row(steps: int) -> Row:
     """Random blocks, one frame in 200 damaged."""
     blocks = curve(steps // 60, 2400, 30, seed=7)
     device = device_for(PHASES)
-    order = InOrder(device.avr, PHASES.facts.motors)
-    order.data()
+    order = InOrder(DataBytes(device.avr), PHASES.facts.motors)
     for block in blocks:
         order.want(block.steps)
     total = order.left

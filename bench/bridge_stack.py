@@ -13,17 +13,14 @@ import argparse
 import random
 import statistics
 from collections.abc import Callable, Iterator
-from itertools import pairwise
+from itertools import chain, pairwise
 
-import numpy as np
-
-from bench.inorder import InOrder
+from bench.inorder import DataBytes, InOrder
 from fraese.blocks import CYCLES_PER_S, Block, Piece, accel_q_from_hz_s, rate_q8_from_hz
 from fraese.motor.bridge.driver import BridgeDriver
 from fraese.motor.bridge.line import Line
 from fraese.motor.cards.smc1500 import SmcCard
-from fraese.motor.seams import DATA
-from rigs.avr.board import Decoder
+from fraese.planner.ramps import trapezoid
 from rigs.avr.simavr import Avr
 from tests.bridge.device import image, reason_to_skip
 
@@ -33,13 +30,14 @@ BLOCK_S = 0.004
 STILL_S = 0.2
 DAMAGED_ONE_IN = 200
 _READ_CYCLES = 4_000
+_RAMP_TICKS = 4_000
 
 
 class Chip:
     """A microcontroller with nothing on its pins, and the clock that it is.
 
     Attributes:
-        writes: cycle and value of every data byte since the last ``take``.
+        data: what it writes to the data lines.
     """
 
     def __init__(self) -> None:
@@ -49,7 +47,7 @@ class Chip:
         self.avr.set_pin("C0", False)
         for pin in ("C1", "C2", "C3", "C4"):
             self.avr.set_pin(pin, True)
-        self._decoder = Decoder()
+        self.data = DataBytes(self.avr)
 
     def now_ns(self) -> int:
         return self.avr.cycle * 1000 // 16
@@ -61,15 +59,9 @@ class Chip:
     def pass_by(self, elapsed_ns: int) -> None:
         self.wait_until(self.now_ns() + elapsed_ns)
 
-    def movements(self) -> np.ndarray:
-        """Data bytes since the last call, in order, with their cycles."""
-        accesses = self._decoder.decode(self.avr.take_log(), self.avr.cycle)
-        chosen: np.ndarray = accesses[accesses["register"] == DATA]
-        return chosen
-
 
 class ChipLine:
-    """A line to the chip, on which one frame in so many is damaged, both ways.
+    """A line to the chip, on which one piece in so many is damaged, both ways.
 
     Args:
         chip: at the other end.
@@ -80,7 +72,7 @@ class ChipLine:
         self._chip = chip
         self._one_in = one_in
         self._random = random.Random(1)
-        self.damaged = 0
+        self.pieces = self.damaged = 0
 
     def read(self, timeout_s: float) -> bytes:
         avr = self._chip.avr
@@ -99,8 +91,9 @@ class ChipLine:
         pass
 
     def _worn(self, data: bytes) -> bytes:
-        """A frame is about 60 bytes."""
-        if not self._one_in or not data or self._random.random() * self._one_in * 60 > len(data):
+        """A piece is a frame or two, or a part of one."""
+        self.pieces += bool(data)
+        if not self._one_in or not data or self._random.randrange(self._one_in):
             return data
         self.damaged += 1
         at = self._random.randrange(len(data))
@@ -118,7 +111,7 @@ class Rig:
             return self.line
 
         self.driver = BridgeDriver(open_line, SmcCard(), self.chip, patience_s=0.5)
-        self.chip.movements()
+        self.chip.data.take()
 
 
 def contour(rate_hz: float, seconds: float = BLOCK_S, seed: int = 1) -> Iterator[Block]:
@@ -141,23 +134,36 @@ def contour(rate_hz: float, seconds: float = BLOCK_S, seed: int = 1) -> Iterator
 
 def ramped(rate_hz: float) -> Iterator[Block]:
     """The same, from standstill: a ramp first."""
-    from fraese.planner.ramps import trapezoid
-
-    law = trapezoid(4_000, 1_000, rate_hz, rate_hz, 400_000)
-    first = next(contour(rate_hz))
-    yield first._replace(steps=(4_000, 4_000, 4_000), pieces=tuple(law))
+    yield _ramp(rate_hz, trapezoid(_RAMP_TICKS, 1_000, rate_hz, rate_hz, 400_000))
     yield from contour(rate_hz)
 
 
-def fill(driver: BridgeDriver, blocks: Iterator[Block], pending: list[Block]) -> int:
-    """Push until the queue is full; how many."""
-    count = 0
-    while True:
-        block = pending.pop() if pending else next(blocks)
+def journey(rate_hz: float, steps: int) -> Iterator[Block]:
+    """The same, from standstill to standstill: so many steps, and a block or two."""
+    left = steps
+    for block in ramped(rate_hz):
+        yield block
+        left -= sum(map(abs, block.steps))
+        if left <= 0:
+            break
+    law = trapezoid(_RAMP_TICKS, rate_hz, rate_hz, 1_000, 400_000)
+    yield _ramp(rate_hz, law)._replace(ends_at_rest=True)
+
+
+def _ramp(rate_hz: float, law: list[Piece]) -> Block:
+    return next(contour(rate_hz))._replace(steps=(_RAMP_TICKS,) * 3, pieces=tuple(law))
+
+
+def fill(driver: BridgeDriver, blocks: Iterator[Block], pending: list[Block]) -> list[Block]:
+    """Push until the queue is full, or nothing is left; what was pushed."""
+    pushed: list[Block] = []
+    for block in chain(pending.copy(), blocks):
         if not driver.push(block):
-            pending.append(block)
-            return count
-        count += 1
+            pending[:] = [block]
+            return pushed
+        pushed.append(block)
+    pending.clear()
+    return pushed
 
 
 # --- figures -------------------------------------------------------------------------------------
@@ -206,11 +212,11 @@ def key_to_braking_ms(rate_hz: float, tries: int = 20) -> list[float]:
         fill(rig.driver, blocks, pending)
         rig.driver.session.pump(chance.random() * 0.005)
         rig.chip.pass_by(chance.randrange(3_000_000))
-        rig.chip.movements()
+        rig.chip.data.take()
         since = rig.chip.avr.cycle
         rig.driver.brake()
         rig.driver.poll(0.04)
-        writes = rig.chip.movements()
+        writes = rig.chip.data.take()
         cycles = [int(cycle) for cycle in writes["cycle"][writes["value"] >> 6 == 0]]
         plan_cycles = CYCLES_PER_S / rate_hz + 40
         braking = next(a for a, b in pairwise(cycles) if b - a > plan_cycles * 1.02)
@@ -218,29 +224,23 @@ def key_to_braking_ms(rate_hz: float, tries: int = 20) -> list[float]:
     return found_ms
 
 
-def damaged_line(steps_wanted: int, rate_hz: float) -> str:
+def damaged_line(steps: int, rate_hz: float) -> str:
     """Random blocks on a line that damages both ways: every step once and in order?"""
     rig = Rig(DAMAGED_ONE_IN)
-    blocks, pending = ramped(rate_hz), list[Block]()
-    order = InOrder(rig.chip.avr, 3)
-    pushed, running = 0, True
+    blocks, pending = journey(rate_hz, steps), list[Block]()
+    order, wanted, running = InOrder(rig.chip.data, 3), 0, True
     while running:
-        while pushed < steps_wanted:
-            block = pending.pop() if pending else next(blocks)
-            if not rig.driver.push(block):
-                pending.append(block)
-                break
-            pushed += sum(map(abs, block.steps))
+        for block in fill(rig.driver, blocks, pending):
             order.want(block.steps)
+            wanted += sum(map(abs, block.steps))
         report = rig.driver.poll(0.05)
         running = report.running
         order.look()
-    # What ends at speed runs dry, and waits in the middle of a block.
-    agrees = order.holds and sum(report.travelled_steps) == order.made
+    agrees = order.holds and not order.left and sum(report.travelled_steps) == order.made
     return (
-        f"{order.made} made of {pushed}, {order.left} wait in a queue that ran dry, "
-        f"{rig.line.damaged} pieces damaged, {rig.driver.session.link.resent} frames again, "
-        f"in order and as counted: {agrees}"
+        f"{order.made} of {wanted} made, {rig.line.damaged} of {rig.line.pieces} pieces damaged,"
+        f" {rig.driver.session.link.resent} frames again, {report.dry_queues} dry,"
+        f" {report.late_ticks} late, every step once and in order: {agrees}"
     )
 
 

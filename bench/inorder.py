@@ -74,25 +74,43 @@ class Made:
         return chosen
 
 
+class DataBytes:
+    """The data bytes of a chip, piece by piece; its log is taken.
+
+    Args:
+        avr: just switched on: which pins are outputs is told once, in the beginning.
+    """
+
+    def __init__(self, avr: Avr) -> None:
+        self._avr = avr
+        self._decoder = Decoder()
+
+    def take(self) -> Accesses:
+        """Those since the last call, in order, with their cycles."""
+        accesses = self._decoder.decode(self._avr.take_log(), self._avr.cycle)
+        chosen: Accesses = accesses[accesses["register"] == DATA]
+        return chosen
+
+
 class InOrder:
     """Compares what a chip makes with what it should, as both come.
 
     Args:
-        avr: the chip; its log is taken.
-        motors: of its phase card, standing at phase 0.
+        source: of the data bytes; those so far are skipped.
+        motors: of the phase card, standing at phase 0.
 
     Attributes:
         made: steps so far, of all motors.
         holds: every step so far was the next one of its motor.
     """
 
-    def __init__(self, avr: Avr, motors: int) -> None:
-        self._avr = avr
-        self._decoder = Decoder()
+    def __init__(self, source: DataBytes, motors: int) -> None:
+        self._source = source
         self._wanted = [Wanted() for _ in range(motors)]
         self._made = [Made(motor) for motor in range(motors)]
         self.made = 0
         self.holds = True
+        source.take()
 
     def want(self, steps: Iterable[int]) -> None:
         """A block's steps, after all others."""
@@ -104,15 +122,9 @@ class InOrder:
         """Steps that are wanted and were not made yet."""
         return sum(wanted.left for wanted in self._wanted)
 
-    def data(self) -> Accesses:
-        """Data bytes since the last look, in order, with their cycles."""
-        accesses = self._decoder.decode(self._avr.take_log(), self._avr.cycle)
-        chosen: Accesses = accesses[accesses["register"] == DATA]
-        return chosen
-
     def look(self) -> None:
         """Take what was made since the last look."""
-        values = self.data()["value"]
+        values = self._source.take()["value"]
         for wanted, motor in zip(self._wanted, self._made, strict=True):
             steps = motor.steps(values)
             self.made += len(steps)
