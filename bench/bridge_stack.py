@@ -3,7 +3,8 @@
     python -m bench.bridge_stack [--steps 10000000]
 
 The microcontroller is simulated, its time is exact and passes only while the host waits or is made
-to stand still; so the figures do not depend on this computer.
+to stand still; so the figures do not depend on this computer. Those of keys in the app do: there
+the whole program runs, in real time (`bench/bridge_keys.py`).
 
 Source of the demands: steps and queue at 250,000 baud, blocks of 4 ms; a host that stands still for
 200 ms; one frame in 200 damaged; 10 ms from the key to the first longer interval.
@@ -15,6 +16,7 @@ import statistics
 from collections.abc import Callable, Iterator
 from itertools import chain, pairwise
 
+from bench import bridge_keys
 from bench.inorder import DataBytes, InOrder
 from fraese.blocks import CYCLES_PER_S, Block, Piece, accel_q_from_hz_s, rate_q8_from_hz
 from fraese.motor.bridge.driver import BridgeDriver
@@ -199,7 +201,7 @@ def host_stands_still(rate_hz: float) -> tuple[int, int, float]:
 
 
 def key_to_braking_ms(rate_hz: float, tries: int = 20) -> list[float]:
-    """From ``brake()`` to the begin of the first interval that is longer than planned, ms."""
+    """From ``brake()`` to the end of the first interval that is longer than planned, ms."""
     found_ms = []
     chance = random.Random(2)
     for _ in range(tries):
@@ -219,7 +221,7 @@ def key_to_braking_ms(rate_hz: float, tries: int = 20) -> list[float]:
         writes = rig.chip.data.take()
         cycles = [int(cycle) for cycle in writes["cycle"][writes["value"] >> 6 == 0]]
         plan_cycles = CYCLES_PER_S / rate_hz + 40
-        braking = next(a for a, b in pairwise(cycles) if b - a > plan_cycles * 1.02)
+        braking = next(b for a, b in pairwise(cycles) if b - a > plan_cycles * 1.02)
         found_ms.append((braking - since) / CYCLES_PER_S * 1000)
     return found_ms
 
@@ -277,6 +279,13 @@ def main() -> None:
             f"key to braking at {rate_hz} Hz, line busy (20 tries)",
             lambda ms=braking_ms: f"median {statistics.median(ms):.1f} ms, max {max(ms):.1f} ms",  # type: ignore[misc]
         )
+    for rate_hz in (SMC_RATE_HZ, FULL_RATE_HZ):
+        for name, key in (("Ctrl+C", bridge_keys.CTRL_C), ("Escape", bridge_keys.ESCAPE)):
+            tries = bridge_keys.measure(rate_hz, key, 20)
+            _print(
+                f"{name} in the app to braking, jog at {rate_hz} Hz (20 tries)",
+                lambda tries=tries: bridge_keys.in_words(tries),  # type: ignore[misc]
+            )
     _print(
         f"{steps} steps, one frame in {DAMAGED_ONE_IN} damaged",
         lambda: damaged_line(steps, FULL_RATE_HZ),
