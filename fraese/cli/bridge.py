@@ -23,7 +23,8 @@ from fraese.motor.bridge.codec import Hello, frame
 from fraese.motor.bridge.constants import KIND_PING
 from fraese.motor.bridge.driver import BridgeDriver
 from fraese.motor.bridge.line import SerialLine, only_candidate, serial_ports
-from fraese.motor.bridge.session import Session
+from fraese.motor.bridge.session import Session, greeting
+from fraese.motor.bridge.stepwise import finish
 from fraese.motor.clock import MonotonicClock
 from fraese.motor.ports.facts import STATUS_PINS
 from fraese.motor.seams import IdleLevel
@@ -94,7 +95,7 @@ def info(
 
     def go() -> int:
         place = _place(configuration.load(config), device, baud)
-        session = Session(place.line(), MonotonicClock(), place.device, place.baud)
+        session = finish(greeting(place.line(), MonotonicClock(), place.device, place.baud))
         try:
             trips_s = round_trips_s(session)
         finally:
