@@ -24,9 +24,9 @@ from fraese.doctor.opening import Opening, try_board, try_port
 from fraese.doctor.port import PORT_CHECKS
 from fraese.doctor.timing import Say, Timing
 from fraese.drivers import PORTS, realtime_options
+from fraese.motor.awake import Awake
 from fraese.motor.ports.facts import describe
 from fraese.motor.ports.null import NullPort
-from fraese.motor.realtime.awake import Awake
 from fraese.motor.realtime.kernel import kernel_facts
 from fraese.motor.realtime.setup import SLEEP_GAP_S, Setup
 from fraese.motor.realtime.system import PRIORITY
