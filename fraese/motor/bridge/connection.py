@@ -65,13 +65,23 @@ class Connection:
             finds_rate=not again,
         )
         try:
-            self._require_able(session)
-            for kind, payload in self._all(phases, mode, override_q8):
-                yield from session.commanding(kind, payload)
+            yield from self.telling(session, phases, mode, override_q8)
         except BaseException:
             session.hang_up()
             raise
         return session
+
+    def telling(
+        self, session: Session, phases: tuple[int, ...], mode: SwitchMode, override_q8: int
+    ) -> Steps[None]:
+        """Tell a device that was greeted everything, step by step.
+
+        Raises:
+            PortError: if it cannot play this card, or is lost.
+        """
+        self._require_able(session)
+        for kind, payload in self._all(phases, mode, override_q8):
+            yield from session.commanding(kind, payload)
 
     def _all(
         self, phases: tuple[int, ...], mode: SwitchMode, override_q8: int
