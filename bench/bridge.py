@@ -12,12 +12,13 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from bench.inorder import DataBytes, InOrder
 from fraese.blocks import Block, Piece
 from fraese.motor.bridge import constants as c
 from tests.bridge.device import MS, Device
 from tests.bridge.peers import PHASES, Kind, Write, clock_kind, device_for, device_writes
 from tests.bridge.streaming import Stream
-from tests.bridge.test_stream import curve, steps_made
+from tests.bridge.test_stream import curve
 
 _ANY_RATE: Final = 255 << 16
 _HZ: Final = 16_000_000
@@ -128,16 +129,24 @@ def damage_row(steps: int) -> Row:
     """Random blocks, one frame in 200 damaged."""
     blocks = curve(steps // 60, 2400, 30, seed=7)
     device = device_for(PHASES)
+    order = InOrder(DataBytes(device.avr), PHASES.facts.motors)
+    for block in blocks:
+        order.want(block.steps)
+    total = order.left
     stream = Stream(device, blocks, damage_every=200)
     stream.fill()
     device.start()
-    stream.finish(limit_s=steps / 500)
-    wanted = tuple(int(n) for n in np.sum([b.steps for b in blocks], axis=0))
-    made = steps_made(device)
-    total = sum(sum(map(abs, b.steps)) for b in blocks)
-    every = "every" if made == wanted else "NOT every"
-    text = f"{total} steps, {stream.resent} frames sent again, {every} step made"
-    return Row("random blocks, 1 frame in 200 damaged", "every step once", text, made == wanted)
+    stream.finish(limit_s=steps / 500, watch=order.look)
+    order.look()
+    every = "every one once, in order" if order.holds and not order.left else "NOT in order"
+    text = (
+        f"{order.made} of {total} steps made, {every}; {stream.damaged} of {stream.sent} frames "
+        f"damaged, {stream.resent} sent again"
+    )
+    return Row(
+        "random blocks, 1 frame in 200 damaged", "every step once", text,
+        order.holds and not order.left,
+    )  # fmt: skip
 
 
 def contact_row() -> Row:

@@ -3,7 +3,8 @@
     python -m bench.bridge_stack [--steps 10000000]
 
 The microcontroller is simulated, its time is exact and passes only while the host waits or is made
-to stand still; so the figures do not depend on this computer.
+to stand still; so the figures do not depend on this computer. Those of keys in the app do: there
+the whole program runs, in real time (`bench/bridge_keys.py`).
 
 Source of the demands: steps and queue at 250,000 baud, blocks of 4 ms; a host that stands still for
 200 ms; one frame in 200 damaged; 10 ms from the key to the first longer interval.
@@ -13,17 +14,15 @@ import argparse
 import random
 import statistics
 from collections.abc import Callable, Iterator
-from itertools import pairwise
+from itertools import chain, pairwise
 
-import numpy as np
-
+from bench import bridge_keys
+from bench.inorder import DataBytes, InOrder
 from fraese.blocks import CYCLES_PER_S, Block, Piece, accel_q_from_hz_s, rate_q8_from_hz
 from fraese.motor.bridge.driver import BridgeDriver
 from fraese.motor.bridge.line import Line
 from fraese.motor.cards.smc1500 import SmcCard
-from fraese.motor.phases import MOTRUN
-from fraese.motor.seams import DATA
-from rigs.avr.board import Decoder
+from fraese.planner.ramps import trapezoid
 from rigs.avr.simavr import Avr
 from tests.bridge.device import image, reason_to_skip
 
@@ -33,13 +32,14 @@ BLOCK_S = 0.004
 STILL_S = 0.2
 DAMAGED_ONE_IN = 200
 _READ_CYCLES = 4_000
+_RAMP_TICKS = 4_000
 
 
 class Chip:
     """A microcontroller with nothing on its pins, and the clock that it is.
 
     Attributes:
-        writes: cycle and value of every data byte since the last ``take``.
+        data: what it writes to the data lines.
     """
 
     def __init__(self) -> None:
@@ -49,7 +49,7 @@ class Chip:
         self.avr.set_pin("C0", False)
         for pin in ("C1", "C2", "C3", "C4"):
             self.avr.set_pin(pin, True)
-        self._decoder = Decoder()
+        self.data = DataBytes(self.avr)
 
     def now_ns(self) -> int:
         return self.avr.cycle * 1000 // 16
@@ -61,15 +61,9 @@ class Chip:
     def pass_by(self, elapsed_ns: int) -> None:
         self.wait_until(self.now_ns() + elapsed_ns)
 
-    def movements(self) -> np.ndarray:
-        """Data bytes since the last call, in order, with their cycles."""
-        accesses = self._decoder.decode(self.avr.take_log(), self.avr.cycle)
-        chosen: np.ndarray = accesses[accesses["register"] == DATA]
-        return chosen
-
 
 class ChipLine:
-    """A line to the chip, on which one frame in so many is damaged, both ways.
+    """A line to the chip, on which one piece in so many is damaged, both ways.
 
     Args:
         chip: at the other end.
@@ -80,7 +74,7 @@ class ChipLine:
         self._chip = chip
         self._one_in = one_in
         self._random = random.Random(1)
-        self.damaged = 0
+        self.pieces = self.damaged = 0
 
     def read(self, timeout_s: float) -> bytes:
         avr = self._chip.avr
@@ -99,8 +93,9 @@ class ChipLine:
         pass
 
     def _worn(self, data: bytes) -> bytes:
-        """A frame is about 60 bytes."""
-        if not self._one_in or not data or self._random.random() * self._one_in * 60 > len(data):
+        """A piece is a frame or two, or a part of one."""
+        self.pieces += bool(data)
+        if not self._one_in or not data or self._random.randrange(self._one_in):
             return data
         self.damaged += 1
         at = self._random.randrange(len(data))
@@ -118,7 +113,7 @@ class Rig:
             return self.line
 
         self.driver = BridgeDriver(open_line, SmcCard(), self.chip, patience_s=0.5)
-        self.chip.movements()
+        self.chip.data.take()
 
 
 def contour(rate_hz: float, seconds: float = BLOCK_S, seed: int = 1) -> Iterator[Block]:
@@ -141,23 +136,36 @@ def contour(rate_hz: float, seconds: float = BLOCK_S, seed: int = 1) -> Iterator
 
 def ramped(rate_hz: float) -> Iterator[Block]:
     """The same, from standstill: a ramp first."""
-    from fraese.planner.ramps import trapezoid
-
-    law = trapezoid(4_000, 1_000, rate_hz, rate_hz, 400_000)
-    first = next(contour(rate_hz))
-    yield first._replace(steps=(4_000, 4_000, 4_000), pieces=tuple(law))
+    yield _ramp(rate_hz, trapezoid(_RAMP_TICKS, 1_000, rate_hz, rate_hz, 400_000))
     yield from contour(rate_hz)
 
 
-def fill(driver: BridgeDriver, blocks: Iterator[Block], pending: list[Block]) -> int:
-    """Push until the queue is full; how many."""
-    count = 0
-    while True:
-        block = pending.pop() if pending else next(blocks)
+def journey(rate_hz: float, steps: int) -> Iterator[Block]:
+    """The same, from standstill to standstill: so many steps, and a block or two."""
+    left = steps
+    for block in ramped(rate_hz):
+        yield block
+        left -= sum(map(abs, block.steps))
+        if left <= 0:
+            break
+    law = trapezoid(_RAMP_TICKS, rate_hz, rate_hz, 1_000, 400_000)
+    yield _ramp(rate_hz, law)._replace(ends_at_rest=True)
+
+
+def _ramp(rate_hz: float, law: list[Piece]) -> Block:
+    return next(contour(rate_hz))._replace(steps=(_RAMP_TICKS,) * 3, pieces=tuple(law))
+
+
+def fill(driver: BridgeDriver, blocks: Iterator[Block], pending: list[Block]) -> list[Block]:
+    """Push until the queue is full, or nothing is left; what was pushed."""
+    pushed: list[Block] = []
+    for block in chain(pending.copy(), blocks):
         if not driver.push(block):
-            pending.append(block)
-            return count
-        count += 1
+            pending[:] = [block]
+            return pushed
+        pushed.append(block)
+    pending.clear()
+    return pushed
 
 
 # --- figures -------------------------------------------------------------------------------------
@@ -193,7 +201,7 @@ def host_stands_still(rate_hz: float) -> tuple[int, int, float]:
 
 
 def key_to_braking_ms(rate_hz: float, tries: int = 20) -> list[float]:
-    """From ``brake()`` to the begin of the first interval that is longer than planned, ms."""
+    """From ``brake()`` to the end of the first interval that is longer than planned, ms."""
     found_ms = []
     chance = random.Random(2)
     for _ in range(tries):
@@ -206,94 +214,36 @@ def key_to_braking_ms(rate_hz: float, tries: int = 20) -> list[float]:
         fill(rig.driver, blocks, pending)
         rig.driver.session.pump(chance.random() * 0.005)
         rig.chip.pass_by(chance.randrange(3_000_000))
-        rig.chip.movements()
+        rig.chip.data.take()
         since = rig.chip.avr.cycle
         rig.driver.brake()
         rig.driver.poll(0.04)
-        writes = rig.chip.movements()
+        writes = rig.chip.data.take()
         cycles = [int(cycle) for cycle in writes["cycle"][writes["value"] >> 6 == 0]]
         plan_cycles = CYCLES_PER_S / rate_hz + 40
-        braking = next(a for a, b in pairwise(cycles) if b - a > plan_cycles * 1.02)
+        braking = next(b for a, b in pairwise(cycles) if b - a > plan_cycles * 1.02)
         found_ms.append((braking - since) / CYCLES_PER_S * 1000)
     return found_ms
 
 
-def damaged_line(steps_wanted: int, rate_hz: float) -> tuple[int, int, int, bool]:
-    """Random blocks on a bad line: steps made, damage, frames sent again, all in order."""
+def damaged_line(steps: int, rate_hz: float) -> str:
+    """Random blocks on a line that damages both ways: every step once and in order?"""
     rig = Rig(DAMAGED_ONE_IN)
-    blocks, pending = ramped(rate_hz), list[Block]()
-    wanted = [Ways() for _ in range(3)]
-    made = [Made(motor) for motor in range(3)]
-    in_order, total, pushed = True, 0, 0
-    running = True
+    blocks, pending = journey(rate_hz, steps), list[Block]()
+    order, wanted, running = InOrder(rig.chip.data, 3), 0, True
     while running:
-        while pushed < steps_wanted:
-            block = pending.pop() if pending else next(blocks)
-            if not rig.driver.push(block):
-                pending.append(block)
-                break
-            pushed += sum(map(abs, block.steps))
-            for ways, n in zip(wanted, block.steps, strict=True):
-                ways.add(n)
+        for block in fill(rig.driver, blocks, pending):
+            order.want(block.steps)
+            wanted += sum(map(abs, block.steps))
         report = rig.driver.poll(0.05)
         running = report.running
-        writes = rig.chip.movements()
-        for ways, motor in zip(wanted, made, strict=True):
-            steps = motor.steps(writes)
-            total += len(steps)
-            in_order = in_order and ways.begin_with(steps)
-    # What ends at speed runs dry, and waits in the middle of a block.
-    counted = sum(report.travelled_steps)
-    return total, rig.line.damaged, rig.driver.session.link.resent, in_order and counted == total
-
-
-class Ways:
-    """Steps that one motor should make, as runs of a sign."""
-
-    def __init__(self) -> None:
-        self._runs: list[tuple[int, int]] = []
-
-    def add(self, n: int) -> None:
-        if n:
-            self._runs.append((1 if n > 0 else -1, abs(n)))
-
-    def begin_with(self, steps: np.ndarray) -> bool:
-        """Whether the next steps are these; they are taken off."""
-        at = 0
-        while at < len(steps):
-            if not self._runs:
-                return False
-            sign, count = self._runs.pop(0)
-            part = steps[at : at + count]
-            if not bool(np.all(part == sign)):
-                return False
-            at += len(part)
-            if len(part) < count:
-                self._runs.insert(0, (sign, count - len(part)))
-        return True
-
-
-class Made:
-    """Steps that one motor made, read off its data bytes."""
-
-    def __init__(self, motor: int) -> None:
-        self._motor = motor
-        self._phase = 0
-        self._index = np.full(64, -1)
-        self._index[list(MOTRUN)] = range(len(MOTRUN))
-
-    def steps(self, writes: np.ndarray) -> np.ndarray:
-        """Signed steps since the last call; a byte that is not a neighbour counts as 9."""
-        values = writes["value"][writes["value"] >> 6 == self._motor] & 0x3F
-        phases = self._index[values]
-        phases = phases[phases >= 0]
-        before = np.concatenate([[self._phase], phases[:-1]]) if len(phases) else phases
-        turned = (phases - before) % len(MOTRUN)
-        if len(phases):
-            self._phase = int(phases[-1])
-        signs = np.select([turned == 1, turned == len(MOTRUN) - 1, turned == 0], [1, -1, 0], 9)
-        chosen: np.ndarray = signs[signs != 0]
-        return chosen
+        order.look()
+    agrees = order.holds and not order.left and sum(report.travelled_steps) == order.made
+    return (
+        f"{order.made} of {wanted} made, {rig.line.damaged} of {rig.line.pieces} pieces damaged,"
+        f" {rig.driver.session.link.resent} frames again, {report.dry_queues} dry,"
+        f" {report.late_ticks} late, every step once and in order: {agrees}"
+    )
 
 
 def _print(name: str, figure: Callable[[], str]) -> None:
@@ -329,11 +279,16 @@ def main() -> None:
             f"key to braking at {rate_hz} Hz, line busy (20 tries)",
             lambda ms=braking_ms: f"median {statistics.median(ms):.1f} ms, max {max(ms):.1f} ms",  # type: ignore[misc]
         )
+    for rate_hz in (SMC_RATE_HZ, FULL_RATE_HZ):
+        for name, key in (("Ctrl+C", bridge_keys.CTRL_C), ("Escape", bridge_keys.ESCAPE)):
+            tries = bridge_keys.measure(rate_hz, key, 20)
+            _print(
+                f"{name} in the app to braking, jog at {rate_hz} Hz (20 tries)",
+                lambda tries=tries: bridge_keys.in_words(tries),  # type: ignore[misc]
+            )
     _print(
         f"{steps} steps, one frame in {DAMAGED_ONE_IN} damaged",
-        lambda: "{} made, {} damaged, {} frames again, in order: {}".format(
-            *damaged_line(steps, FULL_RATE_HZ)
-        ),
+        lambda: damaged_line(steps, FULL_RATE_HZ),
     )
 
 

@@ -5,7 +5,7 @@
 #ifndef PROTOCOL_H
 #define PROTOCOL_H
 
-#define PROTOCOL_VERSION 1
+#define PROTOCOL_VERSION 2
 
 /* Bytes on the line. */
 #define RESERVED_MASK 0xF8
@@ -13,8 +13,8 @@
 #define FLAG 0xB0
 #define URGENT_STATUS 0xB3
 #define URGENT_BRAKE 0xB5
-#define ESCAPE 0xB6
-#define URGENT_STOP 0xB7
+#define ESCAPE 0xB7
+#define URGENT_STOP 0xB6
 #define ESCAPE_XOR 0x20
 
 /* Frames. */

@@ -16,6 +16,7 @@ from fraese.drivers import DRIVERS, ClockName, Order
 from fraese.journal import Journal
 from fraese.log import LogFile
 from fraese.machine import Machine
+from fraese.motor.awake import Awake
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import Clock
 
@@ -31,6 +32,7 @@ class Plant:
         journal: where its state is kept; None: nowhere.
         config: what it was made from.
         notes: what a person should know from the start.
+        awake: keeps the computer from sleeping until all is closed; None: it may sleep.
     """
 
     controller: Controller
@@ -39,6 +41,7 @@ class Plant:
     journal: Journal | None
     config: Config
     notes: tuple[str, ...] = ()
+    awake: Awake | None = None
 
     @property
     def is_simulated(self) -> bool:
@@ -77,8 +80,12 @@ class Plant:
 
     def close(self) -> None:
         """Motors off, state kept, port given back."""
-        self.controller.close()
-        self.save()
+        try:
+            self.controller.close()
+            self.save()
+        finally:
+            if self.awake is not None:
+                self.awake.let_go()
 
 
 def state_folder() -> Path:
@@ -138,4 +145,5 @@ def assemble(
         controller.take_up(kept)
         if kept.moving:
             notes.append("The program ended while the machine moved: reference it again.")
-    return Plant(controller, made.clock, made.mill, journal, config, (*notes, *made.notes))
+    every = (*notes, *made.notes)
+    return Plant(controller, made.clock, made.mill, journal, config, every, made.awake)

@@ -18,6 +18,7 @@ from fraese.config import AXIS_NAMES, Config
 from fraese.endswitches import contact_bits
 from fraese.journal import Kept
 from fraese.machine import Machine
+from fraese.motor.awake import Awake
 from fraese.motor.clock import MonotonicClock, PacedClock, VirtualClock
 from fraese.motor.core import MotorCore
 from fraese.motor.ports.sim import RotorState, SimulatedMill
@@ -82,6 +83,7 @@ class Made(NamedTuple):
         slice_s: how long one poll may take, s.
         mill: the simulated mill that it drives; None: there is metal.
         notes: what a person should know from the start.
+        awake: keeps the machine from sleeping as long as the port is open; None: it may sleep.
     """
 
     driver: StepDriver
@@ -89,6 +91,7 @@ class Made(NamedTuple):
     slice_s: float
     mill: SimulatedMill | None = None
     notes: tuple[str, ...] = ()
+    awake: Awake | None = None
 
 
 def _on_simulated_mill(order: Order) -> Made:
@@ -123,7 +126,6 @@ def realtime_options(config: Config) -> "RealtimeOptions":
 
 def _in_real_time(order: Order) -> Made:
     # Only where there is such a port: what the child needs exists on Linux only.
-    from fraese.motor.realtime.awake import Awake
     from fraese.motor.realtime.driver import RealtimeDriver
     from fraese.motor.realtime.setup import Setup
 
@@ -135,7 +137,12 @@ def _in_real_time(order: Order) -> Made:
         safe_outputs=order.safe_outputs,
         options=realtime_options(order.config),
     )
-    return Made(RealtimeDriver(setup, Awake()), MonotonicClock(), _METAL_SLICE_S)
+    return on_metal(RealtimeDriver(setup), MonotonicClock())
+
+
+def on_metal(driver: StepDriver, clock: Clock) -> Made:
+    """Where real motors hang on the other end, the computer must not fall asleep."""
+    return Made(driver, clock, _METAL_SLICE_S, awake=Awake())
 
 
 def _ppdev(config: Config) -> Callable[[], Port]:
@@ -169,7 +176,7 @@ def _on_bridge(order: Order) -> Made:
         name=device,
         baud=port.baud,
     )
-    return Made(driver, clock, _METAL_SLICE_S)
+    return on_metal(driver, clock)
 
 
 #: Ports of metal: what opens each, as configured.

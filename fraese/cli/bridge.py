@@ -7,7 +7,6 @@ Rule 2: blocks that are only stored never move anything: a run begins with START
 
 import json
 import statistics
-import time
 from collections.abc import Iterator
 from typing import Annotated, Final, NamedTuple
 
@@ -23,7 +22,9 @@ from fraese.motor.bridge.codec import Hello, frame
 from fraese.motor.bridge.constants import KIND_PING
 from fraese.motor.bridge.driver import BridgeDriver
 from fraese.motor.bridge.line import SerialLine, only_candidate, serial_ports
-from fraese.motor.bridge.session import Session
+from fraese.motor.bridge.session import greeting
+from fraese.motor.bridge.stepwise import finish
+from fraese.motor.bridge.trial import round_trips_s
 from fraese.motor.clock import MonotonicClock
 from fraese.motor.ports.facts import STATUS_PINS
 from fraese.motor.seams import IdleLevel
@@ -46,7 +47,6 @@ MoveOption = Annotated[
     typer.Option("--move", metavar="STEPS", min=0, help="Also move each motor there and back."),
 ]
 
-_QUESTIONS: Final = 50
 _DAMAGED_FRAMES: Final = 16
 #: A slower answer than this means that something is wrong with the line.
 _SLOW_S: Final = 0.05
@@ -94,7 +94,7 @@ def info(
 
     def go() -> int:
         place = _place(configuration.load(config), device, baud)
-        session = Session(place.line(), MonotonicClock(), place.device, place.baud)
+        session = finish(greeting(place.line(), MonotonicClock(), place.device, place.baud))
         try:
             trips_s = round_trips_s(session)
         finally:
@@ -108,16 +108,6 @@ def info(
         return 0
 
     leave(go, as_json)
-
-
-def round_trips_s(session: Session) -> list[float]:
-    """How long it takes to be answered, some times over, s."""
-    trips_s = []
-    for _ in range(_QUESTIONS):
-        since_s = time.perf_counter()
-        session.ask()
-        trips_s.append(time.perf_counter() - since_s)
-    return trips_s
 
 
 def _facts(place: Place, hello: Hello, trips_s: list[float]) -> dict[str, object]:

@@ -18,15 +18,16 @@ from typing import Final
 from fraese.cardmaker import CARDS
 from fraese.config import Config
 from fraese.doctor import timing
+from fraese.doctor.board import try_board
 from fraese.doctor.findings import Finding, Patient, State, ask
 from fraese.doctor.kernel import KERNEL_CHECKS
-from fraese.doctor.opening import Opening, try_board, try_port
+from fraese.doctor.opening import Opening, try_port
 from fraese.doctor.port import PORT_CHECKS
 from fraese.doctor.timing import Say, Timing
 from fraese.drivers import PORTS, realtime_options
+from fraese.motor.awake import Awake
 from fraese.motor.ports.facts import describe
 from fraese.motor.ports.null import NullPort
-from fraese.motor.realtime.awake import Awake
 from fraese.motor.realtime.kernel import kernel_facts
 from fraese.motor.realtime.setup import SLEEP_GAP_S, Setup
 from fraese.motor.realtime.system import PRIORITY
@@ -100,7 +101,7 @@ def admit(config: Config, card: Card, root: Path = Path("/")) -> Patient:
         config=config,
         card=card,
         port=describe(config.port.parallel_device, root),
-        opening=_OPENINGS.get(config.port.kind, _really)(config, card),
+        opening=_OPENINGS.get(config.port.kind, _really)(config, card, root),
         kernel=kernel_facts(PRIORITY, root),
         sleeps=Setup(NullPort, card, options=options).gap_s() >= SLEEP_GAP_S,
         awake=held,
@@ -108,22 +109,18 @@ def admit(config: Config, card: Card, root: Path = Path("/")) -> Patient:
     )
 
 
-def _really(config: Config, card: Card) -> Opening:
+def _really(config: Config, card: Card, _root: Path) -> Opening:
     return try_port(PORTS[config.port.kind](config), card)
 
 
-def _nothing(_config: Config, _card: Card) -> Opening:
+def _nothing(_config: Config, _card: Card, _root: Path) -> Opening:
     return Opening()
 
 
-def _board(config: Config, _card: Card) -> Opening:
-    return try_board(config.port.device, config.port.baud)
-
-
 #: How to try what is not a parallel port.
-_OPENINGS: Final[Mapping[str, Callable[[Config, Card], Opening]]] = {
+_OPENINGS: Final[Mapping[str, Callable[[Config, Card, Path], Opening]]] = {
     "simulation": _nothing,
-    "bridge": _board,
+    "bridge": try_board,
 }
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from fraese.errors import PortError
 from fraese.motor.clock import MonotonicClock
@@ -9,6 +10,9 @@ from fraese.motor.ports.facts import StatusLines, output_pins, status_lines
 from fraese.motor.ports.recorder import Recorder
 from fraese.motor.realtime.rescue import switch_off
 from fraese.motor.seams import CONTROL, DATA, Card, Port
+
+if TYPE_CHECKING:
+    from fraese.doctor.board import Board
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,11 +23,13 @@ class Opening:
         error: why it failed; empty: it did not.
         lines: inputs as they read; None: not read.
         pins: outputs as they were left: DB25 pin, and whether it is high.
+        board: the bridge's; None: there is none.
     """
 
     error: str = ""
     lines: StatusLines | None = None
     pins: tuple[tuple[int, bool], ...] = ()
+    board: "Board | None" = None
 
 
 def try_port(open_port: Callable[[], Port], card: Card) -> Opening:
@@ -46,20 +52,3 @@ def try_port(open_port: Callable[[], Port], card: Card) -> Opening:
         return Opening(error=str(error))
     last = dict(port.writes())
     return Opening(lines=lines, pins=output_pins(last.get(DATA, 0), last.get(CONTROL, 0)))
-
-
-def try_board(device: str, baud: int) -> Opening:
-    """Open the serial line of the bridge, and close it again; most boards start anew with that.
-
-    Args:
-        device: of the line; empty: of the only board that looks like one.
-        baud: its rate.
-    """
-    # Nobody else needs pyserial.
-    from fraese.motor.bridge.line import SerialLine, only_candidate, serial_ports
-
-    try:
-        SerialLine(device or only_candidate(serial_ports()), baud).close()
-    except PortError as error:
-        return Opening(error=str(error))
-    return Opening()

@@ -2,7 +2,7 @@
 
     kind         looked at from outside                     opened
     simulation   nothing                                    no
-    bridge       nothing                                    its serial line
+    bridge       device file, permission, USB               greeted, told its card, tried
     ppdev        device file, permission, lp                claimed alone
     devport      /dev/port, permission, lockdown, ppdev     locked
 
@@ -13,6 +13,7 @@ Rule 2: a refusal is told in the port's own sentence; it says what would help.
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
+from fraese.doctor.bridge import BRIDGE_CHECKS
 from fraese.doctor.findings import Check, Finding, Patient, State
 from fraese.motor.ports.facts import STATUS_PINS, DeviceFacts
 
@@ -32,14 +33,12 @@ def _simulated(_: Patient) -> Finding:
     )
 
 
-def _board(patient: Patient) -> Finding:
-    if patient.opening.error:
-        return Finding("bridge", State.BAD, patient.opening.error)
+def _microcontroller(_: Patient) -> Finding:
     return Finding(
         "bridge",
         State.OK,
-        "Its serial line opens; fraese bridge info asks it who it is. The microcontroller times the"
-        " steps by itself: what follows holds for this computer with a parallel port.",
+        "The microcontroller times the steps by itself: but for suspend, what follows holds for"
+        " this computer with a parallel port.",
     )
 
 
@@ -171,7 +170,7 @@ def _levels(pins: Iterable[tuple[int, bool]]) -> str:
 
 PORT_CHECKS: Final[Mapping[str, Sequence[Check]]] = {
     "simulation": (_simulated,),
-    "bridge": (_board,),
+    "bridge": (*BRIDGE_CHECKS, _inputs, _microcontroller),
     "ppdev": (
         _parport, _may_use_parport, _printer_driver, _lockdown_of_ppdev, _opened, _inputs, _outputs,
     ),

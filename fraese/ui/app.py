@@ -8,17 +8,19 @@ from textual import events, work
 from textual.actions import SkipAction
 from textual.app import SystemCommand
 from textual.binding import Binding, BindingType
+from textual.driver import Driver
 from textual.screen import Screen
 
 from fraese.controller import Controller
 from fraese.errors import FraeseError
 from fraese.state import Status
 from fraese.ui.jogging import Jog, Jogger
-from fraese.ui.keys import COMMANDS, FIRST_WIDTH, WIDTHS, RepeatRule
+from fraese.ui.keys import COMMANDS, FIRST_WIDTH, STOP_KEYS, WIDTHS, RepeatRule
 from fraese.ui.machine_app import BUSY, MachineApp
 from fraese.ui.machine_screen import PICTURES
 from fraese.ui.messages import Noted, Refused
 from fraese.ui.programs import OpenProgram, Program, in_words
+from fraese.ui.stopkey import EarlyStop, Heard
 from fraese.ui.themes import DARK, LIGHT
 
 
@@ -66,6 +68,8 @@ class FraeseApp(MachineApp):
         machine_name: str = "",
         hand: Callable[[str, bool], None] | None = None,
     ) -> None:
+        self._early_stop = EarlyStop(STOP_KEYS, self._brake_or_stop)
+        self._heard: Heard | None = None
         super().__init__(controller, notes, before_motion, machine_name)
         self._open_program = open_program
         self._hand = hand
@@ -84,11 +88,17 @@ class FraeseApp(MachineApp):
 
     # --- keys ----------------------------------------------------------------------------------
 
+    def get_driver_class(self) -> type[Driver]:
+        """The terminal's, which tells of stop keys first."""
+        return self._early_stop.driver(super().get_driver_class())
+
     async def on_event(self, event: events.Event) -> None:
         """Let the repeat rule see every key before anything happens."""
         if isinstance(event, events.Key) and not event.is_forwarded:
             self._repeats.press(event.key)
+            self._heard = self._early_stop.of(event)
         await super().on_event(event)
+        self._heard = None
 
     def forget_repeats(self) -> None:
         """Something other than a key was used."""
@@ -113,15 +123,26 @@ class FraeseApp(MachineApp):
 
     def action_stop_machine(self) -> None:
         """Brake; the second time while it moves, stop. At standstill the key is free."""
+        if self._heard is None:
+            moving = self._brake_or_stop()
+        else:
+            # Also what was pressed before it and has begun only now.
+            moving = self._heard.moving or self._moving
+            self._worker.cancel()
+            self._jogger.forget()
+        if not moving:
+            raise SkipAction
+        self._machine.show(self._state, True)
+
+    def _brake_or_stop(self) -> bool:
+        """Do it; whether the machine moved. From any thread."""
         moving = self._moving
         if self._controller.cancelling:
             self._worker.stop()
         else:
             self._worker.cancel()
         self._jogger.forget()
-        if not moving:
-            raise SkipAction
-        self._machine.show(self._state, True)
+        return moving
 
     def action_hold(self) -> None:
         """Feed hold, or go on."""

@@ -223,3 +223,10 @@ UNLISTED: Final = (
 
 COMMANDS: Final = LISTED + UNLISTED
 GROUPS: Final = ("Stop", "Jog", "Position", "Program", "Display", "Machine")
+
+STOP_KEYS: Final = frozenset(
+    key
+    for command in COMMANDS
+    if command.action == "stop_machine"
+    for key in command.keys.split(",")
+)

@@ -23,9 +23,9 @@ from rigs.avr.binding import EVENT, Events
 from rigs.avr.board import UNO, Accesses, Board, Decoder
 from rigs.avr.build import RigError, host_program
 
-#: `struct shared` of simhost.c: driven and level of B, C, D; hold; client; cycle.
-SHARED = struct.Struct("<3s3sBBQ")
-_DRIVEN, _LEVEL, _HOLD, _CLIENT, _CYCLE = 0, 3, 6, 7, 8
+#: `struct shared` of simhost.c: driven and level of B, C, D; hold; client; cycle; mark.
+SHARED = struct.Struct("<3s3sBBQQQ")
+_DRIVEN, _LEVEL, _HOLD, _CLIENT, _CYCLE, _MARK = 0, 3, 6, 7, 8, 16
 START_TIMEOUT_S = 10.0
 END_TIMEOUT_S = 5.0
 PORTS = "BCD"
@@ -118,6 +118,16 @@ class SimHost:
         """Simulated cycles since power-on, to the last 100 us."""
         (cycle,) = struct.unpack_from("<Q", self._shared, _CYCLE)
         return int(cycle)
+
+    def await_mark(self) -> None:
+        """Wants to know when the byte of ``--mark`` comes next."""
+        struct.pack_into("<Q", self._shared, _MARK, 0)
+
+    @property
+    def mark(self) -> tuple[int, float] | None:
+        """Cycle, and `time.monotonic()`, at which it came; None: not yet."""
+        cycle, wall_ns = struct.unpack_from("<QQ", self._shared, _MARK)
+        return (int(cycle), wall_ns / 1e9) if cycle else None
 
     def hold(self, still: bool) -> None:
         """Stops simulated time, or lets it go on."""

@@ -29,15 +29,17 @@
 #define SLICE_CYCLES (SIM_F_CPU_HZ / 10000)
 #define CATCH_UP_S 0.002
 #define USB_BUFFER_BYTES 64 /* what the serial chip holds; the rest waits in the kernel */
-#define SHARED_BYTES 16
+#define SHARED_BYTES 32
 
-/* Written by others while we run; cycle and client are ours. */
+/* Written by others while we run; cycle, client and marked are ours. */
 struct shared {
     uint8_t driven[3]; /* pins of ports B, C, D that are driven from outside */
     uint8_t level[3];  /* their levels */
     uint8_t hold;      /* simulated time stands still while this is not 0 */
     uint8_t client;    /* somebody has the serial port open */
     uint64_t cycle;
+    uint64_t marked_cycle; /* when the marked byte came; written if it was 0, as others make it */
+    uint64_t marked_ns;    /* the same by the wall (CLOCK_MONOTONIC) */
 };
 
 struct host {
@@ -104,12 +106,20 @@ static void follow_client(struct host *host) {
     sim_host_bit_cycles(host->sim, baud ? (double)SIM_F_CPU_HZ / baud : 0);
 }
 
+static void mark(struct host *host, const uint8_t *bytes, size_t count) {
+    if (!host->options.mark || host->shared->marked_cycle || !memchr(bytes, host->options.mark, count))
+        return;
+    host->shared->marked_ns = (uint64_t)(wall_s() * 1e9);
+    host->shared->marked_cycle = sim_cycle(host->sim);
+}
+
 static void carry_bytes(struct host *host) {
     uint8_t bytes[USB_BUFFER_BYTES];
     sim_event_t sent[USB_BUFFER_BYTES];
     size_t backlog = sim_backlog(host->sim);
     size_t room = backlog < sizeof bytes ? sizeof bytes - backlog : 0;
     size_t count = tty_read(&host->tty, bytes, room);
+    mark(host, bytes, count);
     if (sim_cycle(host->sim) >= host->boot_until_cycle)
         sim_feed(host->sim, bytes, count, 0, 0);
     while ((count = sim_take(host->sim, sent, USB_BUFFER_BYTES))) {

@@ -24,6 +24,7 @@ int options_parse(options_t *options, int count, char **words) {
         {.name = "--seconds", .number = &options->seconds},
         {.name = "--stall-ms", .integer = &options->stall_ms},
         {.name = "--boot-ms", .integer = &options->boot_ms},
+        {.name = "--mark", .integer = &options->mark},
         {.name = "--keep-running", .flag = &options->keep_running},
         {.name = "--any-baud", .flag = &options->any_baud},
     };

@@ -9,6 +9,7 @@
  *     --stall-ms N        lock step: when the AVR has spoken and the line is idle, wait so
  *                         long for the host before simulated time goes on; default 0
  *     --boot-ms N         after a reset by DTR nobody listens for so long, as with a boot loader
+ *     --mark BYTE         tells in the shared file when the client sent this byte; 0: none
  *     --keep-running      opening the port does not reset the AVR
  *     --any-baud          whatever baud rate the client sets is right
  *     --unplug-after S    the serial port vanishes after S simulated seconds
@@ -20,7 +21,7 @@
 typedef struct {
     const char *image, *link, *log, *shared;
     double speed, unplug_after_s, seconds;
-    int stall_ms, boot_ms, keep_running, any_baud;
+    int stall_ms, boot_ms, mark, keep_running, any_baud;
 } options_t;
 
 /* Answers 0, or -1 after saying on stderr which word is wrong. */

@@ -95,11 +95,13 @@ class ChipLine:
 
     Attributes:
         sent: bytes sent so far.
+        closed: it was given back.
     """
 
     def __init__(self, chip: Chip) -> None:
         self._chip = chip
         self.sent = 0
+        self.closed = False
 
     def read(self, timeout_s: float) -> bytes:
         self._require_plug()
@@ -120,7 +122,7 @@ class ChipLine:
         self._chip.avr.set_host_baud(baud)
 
     def close(self) -> None:
-        pass
+        self.closed = True
 
     def _require_plug(self) -> None:
         if not self._chip.plugged:

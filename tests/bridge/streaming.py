@@ -11,7 +11,7 @@ Rule 3: frames are held back when told so: a host that stands still for a while.
 
 import random
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 
 from fraese.blocks import Block
@@ -45,13 +45,17 @@ class Stream:
         blocks: what to play.
         damage_every: about one frame in so many arrives damaged, lost, or twice; 0: none.
         least_free: smallest number of bytes free in the ring when a report came (fullest ring).
-        resent: frames that were sent again.
+        sent: frames that were put on the line.
+        damaged: those of them that did not arrive as they were.
+        resent: those that were sent again.
         restarts: how often the queue was played before the next block had come.
     """
 
     device: Device
     blocks: Iterable[Block]
     damage_every: int = 0
+    sent: int = 0
+    damaged: int = 0
     resent: int = 0
     restarts: int = 0
     least_free: int = 1 << 16
@@ -90,13 +94,14 @@ class Stream:
             else:
                 self.device.run(_SLICE_CYCLES)
 
-    def finish(self, limit_s: float = 60.0) -> None:
-        """Until the motors stand and nothing is left to send."""
+    def finish(self, limit_s: float = 60.0, watch: Callable[[], None] = lambda: None) -> None:
+        """Until the motors stand and nothing is left to send; ``watch`` is called now and then."""
         end = self.device.avr.cycle + int(limit_s * 1000 * MS)
         while not (self._sent_all and self._stands(played=True)):
             assert self.device.avr.cycle < end, "it did not end in time"
             for _ in range(80):
                 self.step()
+            watch()
             self.device.status = None
             self.device.urgent(c.URGENT_STATUS)
             for _ in range(20):
@@ -165,7 +170,9 @@ class Stream:
         self._onto_the_line(data)
 
     def _onto_the_line(self, data: bytes) -> None:
+        self.sent += 1
         if self.damage_every and not self._chance.randrange(self.damage_every):
+            self.damaged += 1
             kind = self._chance.randrange(4)
             if kind == 0:
                 return
@@ -173,5 +180,6 @@ class Stream:
                 data += data
             else:
                 at = self._chance.randrange(len(data))
-                data = data[:at] + bytes((self._chance.randrange(256),)) + data[at + 1 :]
+                other = data[at] ^ self._chance.randrange(1, 256)
+                data = data[:at] + bytes((other,)) + data[at + 1 :]
         self.device.avr.feed(data)

@@ -162,3 +162,9 @@ def test_the_card_in_commands() -> None:
     assert len(card_payload(facts)) == c.CARD_LENGTH
     with pytest.raises(ValueError, match="phase table of 1"):
         card_payload(CardFacts(c.CARD_PHASES, 3, b"x"))
+
+
+def test_no_flipped_bit_makes_a_command_of_what_stands_between_frames() -> None:
+    between = (c.FLAG, c.URGENT_STATUS, c.URGENT_BRAKE, c.URGENT_STOP)
+    flipped = {byte ^ 1 << bit for byte in between for bit in range(8)}
+    assert flipped.isdisjoint(between)

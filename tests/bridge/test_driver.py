@@ -26,6 +26,18 @@ def run(bench: FirmwareBench, budget_s: float = 0.02) -> Report:
     return report
 
 
+def refused_poll(bench: FirmwareBench) -> tuple[float, str]:
+    """How long a poll of a lost device takes, and what it says; nothing: it was found."""
+    bench.wait(0.05)
+    since_ns = bench.clock.now_ns()
+    said = ""
+    try:
+        bench.driver.poll(0)
+    except PortError as error:
+        said = str(error)
+    return (bench.clock.now_ns() - since_ns) / 1e9, said
+
+
 class TestQueue:
     def test_more_than_the_ring_holds_is_kept_here_and_played_in_order(
         self, bench: FirmwareBench
@@ -180,8 +192,10 @@ class TestLives:
         bench.driver.push(line(3000))
         last = bench.driver.poll(0.3)
         bench.unplug()
-        for sentence in ("is gone", "the line is gone", "tried again in a moment"):
-            with pytest.raises(PortError, match=sentence):
+        with pytest.raises(PortError, match=r"^the line is gone"):
+            bench.driver.poll(0)
+        for _ in range(2):
+            with pytest.raises(PortError, match=r"is lost; it is looked for\. the line is gone"):
                 bench.driver.poll(0)
         bench.plug_in()
         bench.wait(1.1)
@@ -212,6 +226,36 @@ class TestLives:
         bench.chip.avr.set_host_baud(9600)
         with pytest.raises(PortError, match="does not answer any more; the bridge brakes"):
             bench.driver.poll(5)
+
+    def test_no_poll_waits_for_long_while_it_is_looked_for(self, bench: FirmwareBench) -> None:
+        bench.driver.poll(0)
+        bench.chip.avr.set_host_baud(9600)
+        with pytest.raises(PortError, match="does not answer any more"):
+            bench.driver.poll(0)
+        refused = [refused_poll(bench) for _ in range(60)]
+        assert max(took_s for took_s, _ in refused) < 0.03
+        assert {"looked for." in said for _, said in refused} == {True}
+        assert "Nobody answers" in refused[-1][1]
+        # One attempt lasts 0.3 s here, then a second passes.
+        assert 2 <= len(bench.lines) - 1 <= 3
+        bench.chip.avr.set_host_baud(250_000)
+        for _ in range(60):
+            found = refused_poll(bench)
+            if not found[1]:
+                break
+        assert not found[1]
+        assert found[0] < 0.03
+        assert [line.closed for line in bench.lines] == [True] * (len(bench.lines) - 1) + [False]
+
+    def test_a_driver_that_is_closed_looks_for_nothing(self, bench: FirmwareBench) -> None:
+        bench.chip.avr.set_host_baud(9600)
+        with pytest.raises(PortError, match="does not answer any more"):
+            bench.driver.poll(0)
+        refused_poll(bench)
+        bench.driver.close()
+        assert all(line.closed for line in bench.lines)
+        with pytest.raises(PortError, match="closed"):
+            bench.driver.poll(0)
 
     def test_a_host_that_says_nothing_is_taken_for_hung(self) -> None:
         bench = FirmwareBench("smc", silence_s=0.3)

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from fraese.doctor.findings import Finding, Patient, State, ask
-from fraese.doctor.opening import Opening, try_board, try_port
+from fraese.doctor.opening import Opening, try_port
 from fraese.doctor.port import PORT_CHECKS
 from fraese.drivers import DRIVERS
 from fraese.errors import PortError
@@ -134,15 +134,6 @@ def test_the_simulated_mill_needs_no_port(tmp_path: Path) -> None:
     assert [finding.state for finding in found.values()] == [State.OK]
 
 
-@pytest.mark.parametrize(
-    ("opening", "state"),
-    [(Opening(), State.OK), (Opening(error="No board is plugged in."), State.BAD)],
-)
-def test_a_bridge_must_be_plugged_in(tmp_path: Path, opening: Opening, state: State) -> None:
-    found = checked(patient(tmp_path, opening=opening, port={"kind": "bridge"}))
-    assert [finding.state for finding in found.values()] == [state]
-
-
 # --- really opened -------------------------------------------------------------------------------
 
 
@@ -154,11 +145,6 @@ def test_outputs_are_left_off_whatever_the_claim_did() -> None:
     assert len(pins) == 12
     assert opening.lines is not None
     assert opening.lines.register == 0xF8
-
-
-def test_a_board_that_is_not_there_is_told_in_the_lines_own_words(tmp_path: Path) -> None:
-    opening = try_board(str(tmp_path / "ttyACM0"), 250_000)
-    assert "does not exist: plug the board in" in opening.error
 
 
 def test_every_kind_of_port_has_its_checks() -> None:

@@ -197,3 +197,22 @@ def test_it_ends_cleanly_and_takes_its_link_along(start: Start) -> None:
     assert "received 3, sent 3, overruns 0" in report
     assert not Path(host.port).exists()
     assert host.stop() == report
+
+
+def test_a_marked_byte_is_told_when_it_comes_and_again_when_asked(start: Start) -> None:
+    host = start("--mark", str(ord("!")))
+    with opened(host) as client:
+        client.write(b"abc")
+        assert client.read(3) == b"abc"
+        assert host.mark is None
+        cycles: list[int] = []
+        for _ in range(2):
+            host.await_mark()
+            since_s = time.monotonic()
+            client.write(b"a!b")
+            assert client.read(3) == b"a!b"
+            assert host.mark is not None
+            cycle, at_s = host.mark
+            assert since_s < at_s < time.monotonic()
+            cycles.append(cycle)
+        assert cycles[0] < cycles[1] <= host.cycle

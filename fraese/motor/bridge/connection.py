@@ -3,19 +3,20 @@
     open line -> greet -> can it play this card? -> tables, card, phases, switch mode, override
 
 Rule 1: a device knows nothing: whatever it should know is told in every session anew.
-Rule 2: a device that was lost is looked for once a second, and not for as long as the first time:
-        whoever polls must not be kept waiting.
+Rule 2: all of it is done in steps of some milliseconds: whoever polls while a lost device is looked
+        for is not kept waiting.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 from fraese.errors import PortError
 from fraese.motor.bridge import constants as c
-from fraese.motor.bridge.cards import CardFacts
+from fraese.motor.bridge.cards import CardFacts, card_commands
 from fraese.motor.bridge.line import OpenLine
-from fraese.motor.bridge.session import Session
+from fraese.motor.bridge.session import Session, greeting
+from fraese.motor.bridge.stepwise import Steps
 from fraese.motor.seams import Clock, SwitchMode
 
 MODES: Final[Mapping[SwitchMode, bytes]] = {SwitchMode.STOP: b"\x00", SwitchMode.IGNORE: b"\x01"}
@@ -41,24 +42,55 @@ class Connection:
     baud: int
     patience_s: float
 
-    def open(self, phases: tuple[int, ...], mode: SwitchMode, override_q8: int) -> Session:
-        """Greet the device and tell it everything.
+    def opening(
+        self, phases: tuple[int, ...], mode: SwitchMode, override_q8: int, *, again: bool
+    ) -> Steps[Session]:
+        """Greet the device and tell it everything, step by step.
+
+        Args:
+            phases: of the motors.
+            mode: what an end switch does.
+            override_q8: feed override.
+            again: the device was there before, at this rate.
 
         Raises:
             PortError: if it is not there, or cannot play this card.
         """
-        session = Session(self.open_line(), self.clock, self.name, self.baud, self.patience_s)
+        session = yield from greeting(
+            self.open_line(),
+            self.clock,
+            self.name,
+            self.baud,
+            self.patience_s,
+            finds_rate=not again,
+        )
         try:
-            self._require_able(session)
-            session.upload(self.facts)
-            indices = [phase & 0xFF for phase in phases] + [0] * c.MOTORS_MAX
-            session.command(c.KIND_PHASES, bytes(indices[: c.MOTORS_MAX]))
-            session.command(c.KIND_MODE, MODES[mode])
-            session.command(c.KIND_OVERRIDE, override_q8.to_bytes(2, "little"))
-        except PortError:
+            yield from self.telling(session, phases, mode, override_q8)
+        except BaseException:
             session.hang_up()
             raise
         return session
+
+    def telling(
+        self, session: Session, phases: tuple[int, ...], mode: SwitchMode, override_q8: int
+    ) -> Steps[None]:
+        """Tell a device that was greeted everything, step by step.
+
+        Raises:
+            PortError: if it cannot play this card, or is lost.
+        """
+        self._require_able(session)
+        for kind, payload in self._all(phases, mode, override_q8):
+            yield from session.commanding(kind, payload)
+
+    def _all(
+        self, phases: tuple[int, ...], mode: SwitchMode, override_q8: int
+    ) -> Iterator[tuple[int, bytes]]:
+        yield from card_commands(self.facts)
+        indices = [phase & 0xFF for phase in phases] + [0] * c.MOTORS_MAX
+        yield c.KIND_PHASES, bytes(indices[: c.MOTORS_MAX])
+        yield c.KIND_MODE, MODES[mode]
+        yield c.KIND_OVERRIDE, override_q8.to_bytes(2, "little")
 
     def _require_able(self, session: Session) -> None:
         hello, facts = session.hello, self.facts

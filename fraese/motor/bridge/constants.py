@@ -9,7 +9,7 @@ from typing import Final
 from fraese.blocks import WatchAction
 from fraese.motor.seams import Ended
 
-PROTOCOL_VERSION: Final = 1
+PROTOCOL_VERSION: Final = 2
 DEFAULT_BAUD: Final = 250_000
 
 # Bytes on the line.
@@ -18,8 +18,8 @@ RESERVED: Final = 0xB0
 FLAG: Final = 0xB0
 URGENT_STATUS: Final = 0xB3
 URGENT_BRAKE: Final = 0xB5
-ESCAPE: Final = 0xB6
-URGENT_STOP: Final = 0xB7
+ESCAPE: Final = 0xB7
+URGENT_STOP: Final = 0xB6
 ESCAPE_XOR: Final = 0x20
 
 # Frames.

@@ -9,9 +9,9 @@ Rule 2: blocks that were pushed before it was known that the queue had been drop
 Rule 3: whoever calls nothing for ``silence_s`` while the motors run, or are energised, is taken for
         hung: the device brakes, drops the queue and switches off.
 Rule 4: a line that is lost, or a device that was reset, is told of once, as a PortError with the
-        bounds between which the motors must be. The next ``poll`` tries to find the device again,
-        once a second. Counts then go on from what was known last, and all motors are torn until
-        something moves.
+        bounds between which the motors must be. Every later ``poll`` looks for the device, for some
+        milliseconds, and says so; an attempt that fails is followed by another one a second later.
+        Counts then go on from what was known last, and all motors are torn until something moves.
 """
 
 from collections.abc import Iterator, Mapping
@@ -31,6 +31,7 @@ from fraese.motor.bridge.line import OpenLine
 from fraese.motor.bridge.outbox import Outbox
 from fraese.motor.bridge.picture import Picture
 from fraese.motor.bridge.session import Session
+from fraese.motor.bridge.stepwise import Steps, advance, finish
 from fraese.motor.seams import Card, Clock, Ended, IdleLevel, Report, SwitchMode
 from fraese.motor.switches import SwitchInput
 
@@ -39,8 +40,10 @@ _ANSWER_S: Final = 0.004
 #: Between two reports while a run is watched: often enough to keep the ring filled, and seldom, for
 #: a report costs the device as much time as forty steps.
 _LOOK_S: Final = 0.02
-#: Between two attempts to find a lost device again, and how long one lasts.
+#: Between two attempts to find a lost device again.
 _REVIVE_S: Final = 1.0
+#: So much of an attempt is made in one poll.
+_ATTEMPT_S: Final = 0.02
 _MOST_OVERRIDE_Q8: Final = 0xFFFF
 _NS_PER_S: Final = 1_000_000_000
 _LEVELS: Final[Mapping[IdleLevel, bytes]] = {IdleLevel.OFF: b"\x00", IdleLevel.HOLD: b"\x01"}
@@ -99,7 +102,9 @@ class BridgeDriver:
         self._closed = False
         self._picture = Picture(card, has_table=bool(facts.table))
         self._session: Session | None = None
-        self._connect()
+        self._attempt: Steps[None] | None = None
+        self._found = ""
+        finish(self._connecting(again=False))
 
     # --- the seam --------------------------------------------------------------------------------
 
@@ -199,6 +204,8 @@ class BridgeDriver:
             PortError: if the device did not confirm it.
         """
         self._closed = True
+        if self._attempt is not None:
+            self._attempt.close()
         session, self._session = self._session, None
         if session is not None:
             session.close()
@@ -318,29 +325,53 @@ class BridgeDriver:
             raise PortError(f"{str(error).rstrip('.')}; {where}.") from error
 
     def _revive(self) -> None:
-        """Find the device again; counts go on, but nobody knows what they are worth."""
+        """Look for the device, for a moment; counts go on, but nobody knows what they are worth.
+
+        Raises:
+            PortError: as long as it is not found.
+        """
         if self._closed:
             raise PortError("The port is closed.")
-        now_ns = self._clock.now_ns()
-        if now_ns < self._revive_at_ns:
-            raise PortError(f"The bridge on {self._name} is lost; it is tried again in a moment.")
-        try:
+        clock = self._clock
+        if self._attempt is None and clock.now_ns() >= self._revive_at_ns:
             self._picture.lose()
-            self._connect()
-        finally:
-            self._revive_at_ns = self._clock.now_ns() + round(_REVIVE_S * _NS_PER_S)
+            self._attempt = self._connecting(again=True)
+        until_ns = clock.now_ns() + round(_ATTEMPT_S * _NS_PER_S)
+        try:
+            if self._attempt and advance(self._attempt, lambda: clock.now_ns() >= until_ns):
+                self._end_attempt("")
+                return
+        except PortError as error:
+            self._end_attempt(f" {error}")
+        raise PortError(f"The bridge on {self._name} is lost; it is looked for.{self._found}")
 
-    def _connect(self) -> None:
+    def _end_attempt(self, found: str) -> None:
+        """Nothing more is done about it for a while.
+
+        Args:
+            found: what kept it from succeeding, as a further sentence.
+        """
+        self._attempt, self._found = None, found
+        self._revive_at_ns = self._clock.now_ns() + round(_REVIVE_S * _NS_PER_S)
+
+    def _connecting(self, *, again: bool) -> Steps[None]:
         """A session, with all that it needs here.
 
         Raises:
             PortError: if the device is not there, or cannot play this card.
         """
-        session = self._connection.open(self._card.phases(), self._mode, self._override_q8)
-        self._override_sent_q8 = self._override_q8
-        self._outbox = Outbox(session.link, session.hello.ring)
-        self._picture.begin(session.ask(), session.link)
-        session.listener = partial(self._hear, session)
-        session.ask()
+        override_q8 = self._override_q8
+        session = yield from self._connection.opening(
+            self._card.phases(), self._mode, override_q8, again=again
+        )
+        try:
+            self._override_sent_q8 = override_q8
+            self._outbox = Outbox(session.link, session.hello.ring)
+            self._picture.begin((yield from session.asking()), session.link)
+            session.listener = partial(self._hear, session)
+            yield from session.asking()
+        except BaseException:
+            session.hang_up()
+            raise
         self._stopping = False
         self._session = session

@@ -21,12 +21,15 @@ from fraese.motor.bridge.constants import (
     URGENT_BRAKE,
 )
 from fraese.motor.bridge.line import Line
+from fraese.motor.bridge.stepwise import Steps
 from fraese.motor.seams import Clock
 
 #: The boot loader of an Uno listens for 1 s, that of old ones for 2 s.
 PATIENCE_S: Final = 3.5
 #: Between two HELLOs.
 _AGAIN_S: Final = 0.1
+#: Longest wait for bytes at a time.
+_LOOK_S: Final = 0.005
 #: Motors that are found moving have so long to come to rest.
 _REST_S: Final = 5.0
 #: Rates at which a bridge may have been built, and how long each is tried.
@@ -57,25 +60,31 @@ class Greeting:
         self._baud = baud
         self._heard = False
 
-    def greet(self, session: int, patience_s: float = PATIENCE_S) -> Hello:
+    def greeting(self, session: int, patience_s: float, *, finds_rate: bool) -> Steps[Hello]:
         """Say HELLO until it is accepted.
+
+        Args:
+            session: to be opened.
+            patience_s: so long is it repeated.
+            finds_rate: if nobody answers, try at which rate somebody does.
 
         Raises:
             PortError: if nobody answers, or somebody else than a bridge of this version.
         """
-        reply = self._answer(session, patience_s)
+        reply = yield from self._answer(session, patience_s)
         if reply is None:
-            raise PortError(self._unanswered(session))
+            other = (yield from self._other_rate(session)) if finds_rate else None
+            raise PortError(self._unanswered(other))
         if reply.version != PROTOCOL_VERSION:
             raise PortError(
                 f"The bridge on {self._name} speaks version {reply.version} of the protocol, this"
                 f" program version {PROTOCOL_VERSION}: flash the firmware that belongs to it."
             )
         if reply.moving:
-            reply = self._calmed(session)
+            reply = yield from self._calmed(session)
         return reply
 
-    def _answer(self, session: int, patience_s: float) -> Hello | None:
+    def _answer(self, session: int, patience_s: float) -> Steps[Hello | None]:
         """The reply to this session, or that motors are moving; None: there was none."""
         decoder = Decoder()
         now_ns = self._clock.now_ns
@@ -84,7 +93,7 @@ class Greeting:
             if now_ns() >= again_ns:
                 self._line.write(hello(session))
                 again_ns = now_ns() + round(_AGAIN_S * _NS_PER_S)
-            data = self._line.read(_AGAIN_S / 5)
+            data = self._line.read(_LOOK_S)
             self._heard |= bool(data)
             for item in decoder.feed(data):
                 reply = _hello_in(item)
@@ -92,30 +101,36 @@ class Greeting:
                     return reply
                 if reply and reply.version != PROTOCOL_VERSION:
                     return reply
+            yield
         return None
 
-    def _calmed(self, session: int) -> Hello:
+    def _calmed(self, session: int) -> Steps[Hello]:
         """Motors are moving, left so by another program: brake, then HELLO again."""
         until_ns = self._clock.now_ns() + round(_REST_S * _NS_PER_S)
         while self._clock.now_ns() < until_ns:
             self._line.write(bytes((URGENT_BRAKE, URGENT_BRAKE)))
-            reply = self._answer(session, _AGAIN_S)
+            reply = yield from self._answer(session, _AGAIN_S)
             if reply and not reply.moving:
                 return reply
         raise PortError(f"The motors behind {self._name} move and do not brake: switch them off.")
 
-    def _unanswered(self, session: int) -> str:
-        heard = self._heard
+    def _other_rate(self, session: int) -> Steps[int | None]:
+        """The rate at which somebody answers."""
         for baud in _RATES:
             if baud == self._baud:
                 continue
             self._line.set_baud(baud)
-            if self._answer(session, _TRY_S):
-                return (
-                    f"The bridge on {self._name} speaks {baud} baud, not {self._baud}: write"
-                    f" baud = {baud} under [port]."
-                )
-        if heard:
+            if (yield from self._answer(session, _TRY_S)):
+                return baud
+        return None
+
+    def _unanswered(self, other: int | None) -> str:
+        if other:
+            return (
+                f"The bridge on {self._name} speaks {other} baud, not {self._baud}: write"
+                f" baud = {other} under [port]."
+            )
+        if self._heard:
             return (
                 f"What comes from {self._name} makes no sense at {self._baud} baud: either"
                 " port.baud is not the firmware's rate, or this is no fraese bridge."

@@ -1,13 +1,15 @@
 """The serial port: bytes in and out, and one sentence for whatever goes wrong with it.
 
 Rule 1: a write is whole and may come from any thread: a brake need not wait for whoever reads.
-Rule 2: a port is ours alone.
+Rule 2: a port is ours alone. Programs that ask (flock) are told by pyserial; all others but root's
+        are refused by the kernel (TIOCEXCL), until the port is given back.
 Rule 3: a board that looks like an Arduino is known by the maker of its USB chip; nothing is opened
         to find out, since opening resets it.
 """
 
 import errno
 import os
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -81,6 +83,7 @@ class SerialLine:
                 write_timeout=_WRITE_TIMEOUT_S,
                 exclusive=True,
             )
+            _keep_others_out(self._port, True)
         except (OSError, ValueError) as error:
             raise PortError(_refusal(device, baud, error)) from error
 
@@ -124,6 +127,9 @@ class SerialLine:
 
     def close(self) -> None:
         """Let go. Safe to call twice."""
+        # Where somebody else has it open already, the kernel would go on refusing all others.
+        with suppress(OSError, TypeError):
+            _keep_others_out(self._port, False)
         with suppress(OSError, TypeError):
             self._port.close()
 
@@ -131,6 +137,16 @@ class SerialLine:
         if not self._port.is_open:
             return PortError(f"{self._device} is used after it was given back.")
         return PortError(f"{self._device} is gone ({_reason(error)}): is the plug still in?")
+
+
+def _keep_others_out(port: serial.Serial, wanted: bool) -> None:
+    """Whether the kernel refuses the port to whoever opens it next; Windows does so anyway."""
+    if sys.platform == "win32" or not port.is_open:
+        return
+    import fcntl
+    import termios
+
+    fcntl.ioctl(port.fileno(), termios.TIOCEXCL if wanted else termios.TIOCNXCL)
 
 
 class SerialPort(NamedTuple):

@@ -16,7 +16,6 @@ from collections.abc import Callable
 from typing import Final
 
 from fraese.errors import PortError
-from fraese.motor.bridge.cards import CardFacts, card_commands
 from fraese.motor.bridge.codec import Hello, Status
 from fraese.motor.bridge.constants import (
     KIND_CLOSE,
@@ -27,6 +26,7 @@ from fraese.motor.bridge.constants import (
 from fraese.motor.bridge.greeting import PATIENCE_S, Greeting, new_session
 from fraese.motor.bridge.line import Line
 from fraese.motor.bridge.link import Link
+from fraese.motor.bridge.stepwise import Steps, finish
 from fraese.motor.seams import Clock
 
 #: Who does not answer for so long is gone; the device's own watchdog needs 250 ms.
@@ -44,6 +44,39 @@ _NS_PER_S: Final = 1_000_000_000
 Listener = Callable[[Status], None]
 
 
+def greeting(
+    line: Line,
+    clock: Clock,
+    name: str,
+    baud: int,
+    patience_s: float = PATIENCE_S,
+    *,
+    finds_rate: bool = True,
+) -> "Steps[Session]":
+    """Greet whoever is at the end of a line, step by step.
+
+    Args:
+        line: open; closed with the session, or if there is none.
+        clock: its time.
+        name: of the port, for sentences.
+        baud: rate, likewise.
+        patience_s: for the greeting.
+        finds_rate: if nobody answers, find out whether it is the rate.
+
+    Raises:
+        PortError: if nobody answers.
+    """
+    number = new_session()
+    try:
+        hello = yield from Greeting(line, clock, name, baud).greeting(
+            number, patience_s, finds_rate=finds_rate
+        )
+    except BaseException:
+        line.close()
+        raise
+    return Session(line, clock, name, number, hello)
+
+
 class Session:
     """A device that was greeted.
 
@@ -51,34 +84,24 @@ class Session:
         line: open; closed with the session.
         clock: its time.
         name: of the port, for sentences.
-        baud: rate, likewise.
-        patience_s: for the greeting.
+        number: of the session.
+        hello: the device's answer.
 
     Attributes:
         line: as given.
         hello: what the device said of itself.
         link: what is under way.
         listener: told of every STATUS.
-
-    Raises:
-        PortError: if nobody answers; the line is closed then.
     """
 
-    def __init__(
-        self, line: Line, clock: Clock, name: str, baud: int, patience_s: float = PATIENCE_S
-    ) -> None:
+    def __init__(self, line: Line, clock: Clock, name: str, number: int, hello: Hello) -> None:
         self.line = line
+        self.hello = hello
         self._clock = clock
         self._name = name
         self._silent_s = 0.0
         self.listener: Listener | None = None
-        session = new_session()
-        try:
-            self.hello: Hello = Greeting(line, clock, name, baud).greet(session, patience_s)
-        except BaseException:
-            line.close()
-            raise
-        self.link = Link(session, self.hello.ring)
+        self.link = Link(number, hello.ring)
 
     # --- waiting ---------------------------------------------------------------------------------
 
@@ -103,7 +126,7 @@ class Session:
         if self._silent_s > DEAF_S:
             raise PortError(f"The bridge on {self._name} does not answer any more")
 
-    def pump_until(self, done: Callable[[], bool]) -> None:
+    def pumping(self, done: Callable[[], bool]) -> Steps[None]:
         """Pump until something is so; the device's silence ends it, and so does waiting in vain.
 
         Raises:
@@ -116,23 +139,32 @@ class Session:
             waited_ns, since_ns = waited_ns + min(now_ns - since_ns, _PAUSE_NS), now_ns
             if waited_ns > STUCK_S * _NS_PER_S:
                 raise PortError(f"The bridge on {self._name} answers, but does not follow")
+            yield
+
+    def pump_until(self, done: Callable[[], bool]) -> None:
+        """The same at a stretch."""
+        finish(self.pumping(done))
 
     # --- saying ----------------------------------------------------------------------------------
 
-    def command(self, kind: int, payload: bytes = b"") -> None:
+    def commanding(self, kind: int, payload: bytes = b"") -> Steps[None]:
         """Have something carried out, and wait until it is acknowledged.
 
         Raises:
             PortError: if it is refused, or as ``pump``.
         """
         ticket = self.link.command(kind, payload)
-        self.pump_until(lambda: self.link.done >= ticket)
+        yield from self.pumping(lambda: self.link.done >= ticket)
         code = self.link.refusal(ticket)
         if code:
             what = REFUSALS.get(code, f"reason {code}")
             raise PortError(f"The bridge on {self._name} refuses command {kind:02X}: {what}")
 
-    def ask(self) -> Status:
+    def command(self, kind: int, payload: bytes = b"") -> None:
+        """The same at a stretch."""
+        finish(self.commanding(kind, payload))
+
+    def asking(self) -> Steps[Status]:
         """A STATUS that knows of everything that was said before.
 
         Raises:
@@ -147,9 +179,13 @@ class Session:
             link.ask()
             return False
 
-        self.pump_until(answered)
+        yield from self.pumping(answered)
         assert link.status is not None
         return link.status
+
+    def ask(self) -> Status:
+        """The same at a stretch."""
+        return finish(self.asking())
 
     def shout(self, byte: int) -> None:
         """Say brake or stop. From any thread.
@@ -158,15 +194,6 @@ class Session:
             PortError: if the line is gone.
         """
         self.line.write(self.link.wish(byte, self._clock.now_ns()))
-
-    def upload(self, facts: CardFacts) -> None:
-        """Tell the device which card it has.
-
-        Raises:
-            PortError: as ``command``.
-        """
-        for kind, payload in card_commands(facts):
-            self.command(kind, payload)
 
     # --- the end ---------------------------------------------------------------------------------
 

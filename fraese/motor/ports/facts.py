@@ -138,7 +138,11 @@ def status_lines(port: Port) -> StatusLines:
     Raises:
         PortError: if it cannot be read.
     """
-    register = port.read_status()
+    return lines_of(port.read_status())
+
+
+def lines_of(register: int) -> StatusLines:
+    """The inputs as the status register reads them."""
     return StatusLines(
         register,
         tuple(

@@ -22,7 +22,6 @@ from fraese.blocks import Q8, Block
 from fraese.errors import PortError
 from fraese.motor.blockqueue import require_sound
 from fraese.motor.realtime import mailbox
-from fraese.motor.realtime.awake import Awake
 from fraese.motor.realtime.memory import BRAKES, FIRST_EDGE, LAST_EDGE, OVERRIDE, STOPS
 from fraese.motor.realtime.report import Told
 from fraese.motor.realtime.session import Session
@@ -40,15 +39,13 @@ class RealtimeDriver:
 
     Args:
         setup: what the child is told: the arguments of ``MotorCore``, and how to open the port.
-        awake: keeps the machine from sleeping; let go with the port.
 
     Raises:
         PortError: if the child does not start; with the port's own sentence if it was that.
     """
 
-    def __init__(self, setup: Setup, awake: Awake | None = None) -> None:
+    def __init__(self, setup: Setup) -> None:
         self._setup = setup
-        self._awake = awake
         self._motors = setup.card.motors
         self._mode = SwitchMode.STOP
         self._override_q8 = 0
@@ -56,16 +53,12 @@ class RealtimeDriver:
         self._pushed_before = 0
         self._revive_at_s = 0.0
         self._closed = False
-        try:
-            self._session = Session(setup)
-        except BaseException:
-            self._let_sleep()
-            raise
+        self._session = Session(setup)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What the system granted and refused, a sentence each."""
-        return (*self._session.child.notes, *([self._awake.note] if self._awake else []))
+        return tuple(self._session.child.notes)
 
     @property
     def pid(self) -> int:
@@ -150,10 +143,7 @@ class RealtimeDriver:
             PortError: if the motors could not be switched off.
         """
         self._closed = True
-        try:
-            self._session.close()
-        finally:
-            self._let_sleep()
+        self._session.close()
 
     def samples(self) -> tuple[bytes, float]:
         """What the child has measured, if it does.
@@ -163,10 +153,6 @@ class RealtimeDriver:
         """
         memory = self._session.child.memory
         return memory.measured(), (memory.words[LAST_EDGE] - memory.words[FIRST_EDGE]) * 1e-9
-
-    def _let_sleep(self) -> None:
-        if self._awake is not None:
-            self._awake.let_go()
 
     # --- lives -----------------------------------------------------------------------------------
 

@@ -7,14 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from fraese.motor.cards.smc1500 import SmcCard
-from fraese.motor.ports.null import NullPort
-from fraese.motor.realtime.awake import Awake
-from fraese.motor.realtime.driver import RealtimeDriver
-from fraese.motor.realtime.setup import Setup
+from fraese import assembly
+from fraese.config import Config
+from fraese.drivers import DRIVERS, Made, Order, on_metal
+from fraese.motor.awake import Awake
 
 if sys.platform != "linux":
-    pytest.skip("the step process needs Linux", allow_module_level=True)
+    pytest.skip("the stand-in is a shell script", allow_module_level=True)
 
 #: Notes its arguments, and for how long it is there; then does what the real one does.
 GRANTING = """#!/bin/sh
@@ -72,13 +71,26 @@ def test_where_nobody_can_be_asked_that_is_said(tmp_path: Path) -> None:
     assert awake.note == "the machine may fall asleep: there is no systemd-inhibit"
 
 
-def test_a_driver_lets_the_machine_sleep_when_it_is_closed(
-    tmp_path: Path, environment: dict[str, str]
+def test_with_metal_the_machine_sleeps_only_when_all_is_closed(
+    tmp_path: Path, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     install(tmp_path, GRANTING)
-    awake = Awake(environment)
-    driver = RealtimeDriver(Setup(NullPort, SmcCard()), awake)
-    assert driver.notes[-1] == "the machine does not fall asleep"
-    assert awake.held
-    driver.close()
-    assert not awake.held
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+
+    def metal(order: Order) -> Made:
+        made = DRIVERS["simulation"](order)
+        return on_metal(made.driver, made.clock)
+
+    monkeypatch.setattr(assembly, "DRIVERS", {"bridge": metal})
+    plant = assembly.assemble(Config.model_validate({"port": {"kind": "bridge"}}))
+    assert plant.awake is not None
+    assert plant.awake.held
+    plant.close()
+    assert not plant.awake.held
+
+
+def test_at_a_desk_it_may_sleep() -> None:
+    plant = assembly.assemble(Config())
+    assert plant.awake is None
+    plant.close()

@@ -1,0 +1,132 @@
+"""The bridge, really opened once: asked who it is, told its card, tried, and left with motors off.
+
+    look from outside --> open --> greet --> card --> questions, frames --> close
+
+Rule 1: nothing moves: no block is sent.
+Rule 2: how far it came is kept. What fails is told in the bridge's own sentence.
+"""
+
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from pathlib import Path
+
+from fraese.blocks import Q8
+from fraese.config import Config
+from fraese.doctor.opening import Opening
+from fraese.endswitches import contact_bits
+from fraese.errors import PortError
+from fraese.motor.bridge.codec import Hello
+from fraese.motor.bridge.connection import Connection
+from fraese.motor.bridge.fromcard import card_facts
+from fraese.motor.bridge.greeting import PATIENCE_S
+from fraese.motor.bridge.line import OpenLine, SerialLine, only_candidate, serial_ports
+from fraese.motor.bridge.session import greeting
+from fraese.motor.bridge.stepwise import finish
+from fraese.motor.bridge.trial import Carried, carry, round_trips_s
+from fraese.motor.bridge.usb import SerialFacts, serial_facts
+from fraese.motor.clock import MonotonicClock
+from fraese.motor.ports.facts import lines_of
+from fraese.motor.seams import Card, SwitchMode
+from fraese.motor.switches import SwitchInput
+
+
+class Stage(IntEnum):
+    """How far it came."""
+
+    NOWHERE = 0
+    FOUND = 1
+    OPENED = 2
+    GREETED = 3
+    TOLD = 4
+    TRIED = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Board:
+    """What was seen of it.
+
+    Attributes:
+        stage: how far it came.
+        serial: its port from outside; None: it is not known which.
+        baud: rate that was spoken.
+        hello: what the device said of itself; None: it was not greeted.
+        trips_s: how long each of some answers took, s.
+        carried: what became of some frames; None: none were sent.
+    """
+
+    stage: Stage = Stage.NOWHERE
+    serial: SerialFacts | None = None
+    baud: int = 0
+    hello: Hello | None = None
+    trips_s: tuple[float, ...] = ()
+    carried: Carried | None = None
+
+
+def try_board(config: Config, card: Card, root: Path = Path("/")) -> Opening:
+    """Open the bridge as the machine would do it, and close it again.
+
+    Args:
+        config: of the machine.
+        card: what hangs on the bridge.
+        root: where the file system begins, for what is looked at from outside.
+    """
+    trial = _Trial(config, card, root)
+    error = ""
+    try:
+        trial.run()
+    except PortError as failed:
+        error = str(failed)
+    return replace(trial.opening, error=error)
+
+
+class _Trial:
+    """One try; ``opening`` tells how far it came."""
+
+    def __init__(self, config: Config, card: Card, root: Path) -> None:
+        self._config = config
+        self._card = card
+        self._root = root
+        self._board = Board(baud=config.port.baud)
+        self.opening = Opening(board=self._board)
+
+    def run(self) -> None:
+        """All of it.
+
+        Raises:
+            PortError: as soon as something does not work.
+        """
+        device = self._config.port.device or only_candidate(serial_ports())
+        self._came(Stage.FOUND, serial=serial_facts(device, self._root))
+        line = SerialLine(device, self._config.port.baud)
+        self._came(Stage.OPENED)
+        clock, baud = MonotonicClock(), self._config.port.baud
+        session = finish(greeting(line, clock, device, baud))
+        try:
+            self._came(Stage.GREETED, hello=session.hello)
+            connection = self._connection(lambda: line, clock, device)
+            told = connection.telling(session, self._card.phases(), SwitchMode.STOP, Q8)
+            finish(told)
+            self._came(Stage.TOLD)
+            trips_s, carried = tuple(round_trips_s(session)), carry(session)
+            self._came(Stage.TRIED, trips_s=trips_s, carried=carried)
+            self.opening = replace(self.opening, lines=lines_of(session.ask().inputs))
+        finally:
+            # What went wrong before says more than a farewell that goes wrong, too.
+            with suppress(PortError):
+                session.close()
+
+    def _connection(self, open_line: OpenLine, clock: MonotonicClock, device: str) -> Connection:
+        switches = self._config.switches
+        facts = card_facts(
+            self._card,
+            SwitchInput(*contact_bits(switches), switches.readings),
+            settle_cycles=0,
+            safe_outputs=self._config.outputs.mask("laser"),
+            silence_ms=round(self._config.realtime.silent_s * 1000),
+        )
+        return Connection(open_line, clock, facts, device, self._config.port.baud, PATIENCE_S)
+
+    def _came(self, stage: Stage, **seen: object) -> None:
+        self._board = replace(self._board, stage=stage, **seen)  # type: ignore[arg-type]
+        self.opening = replace(self.opening, board=self._board)

@@ -1,0 +1,68 @@
+"""The serial port, with a pseudo-terminal in its place: whose it is, and what is said otherwise."""
+
+import errno
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import pytest
+
+from fraese.errors import PortError
+from fraese.motor.bridge.line import SerialLine
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="a pty takes the port's place")
+
+#: Opens a port as a program does that has never heard of locks; root would be let in.
+STRANGER = """
+import os, sys
+if os.getuid() == 0:
+    os.setgid(65534)
+    os.setuid(65534)
+try:
+    os.open(sys.argv[1], os.O_RDWR | os.O_NOCTTY)
+except OSError as error:
+    sys.exit(error.errno)
+"""
+
+
+@pytest.fixture
+def port() -> Iterator[str]:
+    ours, theirs = os.openpty()
+    name = os.ttyname(theirs)
+    os.chmod(name, 0o666)
+    yield name
+    os.close(ours)
+    os.close(theirs)
+
+
+def stranger(port: str) -> int:
+    """With which error another program is refused; 0: it is not."""
+    return subprocess.run([sys.executable, "-c", STRANGER, port], check=False).returncode
+
+
+def test_nobody_else_gets_the_port_until_it_is_given_back(port: str) -> None:
+    assert stranger(port) == 0
+    line = SerialLine(port, 250_000)
+    assert stranger(port) == errno.EBUSY
+    line.close()
+    line.close()
+    assert stranger(port) == 0
+
+
+def test_a_second_one_of_us_is_told_so(port: str) -> None:
+    line = SerialLine(port, 250_000)
+    with pytest.raises(PortError, match=f"^{port} is in use by another program: close that one"):
+        SerialLine(port, 250_000)
+    line.close()
+    SerialLine(port, 250_000).close()
+
+
+def test_a_port_that_is_gone_can_be_closed() -> None:
+    ours, theirs = os.openpty()
+    line = SerialLine(os.ttyname(theirs), 250_000)
+    os.close(ours)
+    os.close(theirs)
+    with pytest.raises(PortError, match=r"is gone .* is the plug still in\?"):
+        line.read(0.01)
+    line.close()

@@ -1,0 +1,103 @@
+"""The stop key acts where the terminal is read, whatever the app's thread is doing."""
+
+import threading
+from typing import Any, cast
+
+from textual.driver import Driver
+from textual.events import Key
+from textual.message import Message
+
+from fraese.config import Config
+from fraese.ui.keys import STOP_KEYS
+from fraese.ui.stopkey import EarlyStop
+from tests.ui.helpers import Bench, bench, play
+
+
+class Terminal(Driver):
+    """A terminal in name only; what it hears goes to the app as usual."""
+
+    def __init__(self, app: object) -> None:
+        self.app = app
+
+    def write(self, data: str) -> None: ...
+
+    def start_application_mode(self) -> None: ...
+
+    def disable_input(self) -> None: ...
+
+    def stop_application_mode(self) -> None: ...
+
+    def process_message(self, message: Message) -> None:
+        message.set_sender(self.app)  # type: ignore[arg-type]
+        self.app.post_message(message)  # type: ignore[attr-defined]
+
+
+def press_without_app(b: Bench, *keys: str) -> None:
+    """Keys from the input's thread, all before the app's thread comes to the first of them."""
+    terminal = b.app._early_stop.driver(Terminal)(b.app)
+
+    def type_them() -> None:
+        for key in keys:
+            terminal.process_message(Key(key, None))
+
+    typist = threading.Thread(target=type_them)
+    typist.start()
+    typist.join()
+
+
+def test_the_motors_brake_while_the_app_draws() -> None:
+    async def scene() -> None:
+        async with bench(clock="paced") as b:
+            await b.long_move()
+            press_without_app(b, "ctrl+c")
+            assert b.plant.controller.cancelling
+            await b.settled()
+            assert "Cancelled" in b.text("#message")
+            assert "without ramp" not in b.text("#message"), "one key stops once"
+            assert b.mill.look().lost_steps == (0, 0, 0)
+
+    play(scene)
+
+
+def test_a_second_key_stops_without_ramp() -> None:
+    async def scene() -> None:
+        async with bench(clock="paced") as b:
+            await b.long_move()
+            press_without_app(b, "ctrl+c", "escape")
+            await b.settled()
+            assert "without ramp" in b.text("#message")
+
+    play(scene)
+
+
+def test_what_was_pressed_before_it_does_not_move_for_long() -> None:
+    async def scene() -> None:
+        config = Config.model_validate({"jog": {"feed_mm_min": 60}})
+        async with bench(clock="paced", config=config) as b:
+            await b.press("5")
+            press_without_app(b, "right", "right", "ctrl+c")
+            await b.settled()
+            assert b.moved_steps[0] < 1900
+
+    play(scene)
+
+
+def test_only_stop_keys_are_heard_and_each_once() -> None:
+    acts: list[bool] = []
+
+    def act() -> bool:
+        acts.append(True)
+        return True
+
+    class Deaf(Terminal):
+        def process_message(self, message: Message) -> None: ...
+
+    early = EarlyStop(STOP_KEYS, act)
+    terminal = early.driver(Deaf)(cast(Any, None))
+    jog, stop = Key("right", None), Key("escape", None)
+    for key in (jog, stop):
+        terminal.process_message(key)
+    assert acts == [True]
+    assert early.of(jog) is None
+    assert early.of(stop) == (stop, True)
+    assert early.of(stop) is None
