@@ -21,8 +21,8 @@ from tests.motor.distantmill import ChildBench
 from tests.motor.workbench import EVERY_END, TRAVEL_STEPS, Workbench, end, line, steady
 
 CAPACITY = 8
-#: A move of nearly two seconds, and after how long it is looked at: a machine that is busy with something
-#: else may take much longer for that, and must still find it under way.
+#: A move of nearly two seconds, and after how long it is looked at: a machine that is busy with
+#: something else may take much longer for that, and must still find it under way.
 LONG = 9000
 UNDER_WAY_S = 0.15
 
