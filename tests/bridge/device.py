@@ -9,6 +9,7 @@ Rule 2: time is the microcontroller's; nothing waits for the wall.
 
 import subprocess
 from collections.abc import Callable, Sequence
+from fcntl import LOCK_EX, flock
 from functools import cache
 from pathlib import Path
 
@@ -36,15 +37,16 @@ SESSION = 4711
 
 
 @cache
-def image(baud: int = c.DEFAULT_BAUD) -> Path:
-    """The firmware for the Uno, built."""
-    build = f"build/uno-{baud}"
-    subprocess.run(
-        ["make", "-s", "-C", str(FIRMWARE), "BOARD=uno", f"BAUD={baud}", f"{build}/fraese.elf"],
-        check=True,
-        capture_output=True,
-    )
-    return FIRMWARE / build / "fraese.elf"
+def image(baud: int = c.DEFAULT_BAUD, board_name: str = "uno") -> Path:
+    """The firmware for a board, built; by one process at a time."""
+    elf = f"build/{board_name}-{baud}/fraese.elf"
+    place = FIRMWARE / "build"
+    place.mkdir(exist_ok=True)
+    command = ["make", "-s", "-C", str(FIRMWARE), f"BOARD={board_name}", f"BAUD={baud}", elf]
+    with (place / "lock").open("w") as lock:
+        flock(lock, LOCK_EX)
+        subprocess.run(command, check=True, capture_output=True)
+    return FIRMWARE / elf
 
 
 def reason_to_skip() -> str:

@@ -3,15 +3,13 @@
 import re
 import subprocess
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 from typing import Final, NamedTuple
 
 import pytest
 
-from fraese.motor.bridge import constants as c
 from rigs.avr.build import DATA_SPACE
-from tests.bridge.device import FIRMWARE, reason_to_skip
+from tests.bridge.device import image, reason_to_skip
 
 pytestmark = pytest.mark.skipif(bool(reason_to_skip()), reason=reason_to_skip())
 
@@ -52,16 +50,6 @@ def touches_reserved(line: Line) -> bool:
     return address is not None and 2 <= int(address[0], 16) <= 15
 
 
-@cache
-def built(board: str) -> Path:
-    """The image for a board."""
-    elf = f"build/{board}-{c.DEFAULT_BAUD}/fraese.elf"
-    subprocess.run(
-        ["make", "-s", "-C", str(FIRMWARE), f"BOARD={board}", elf], check=True, capture_output=True
-    )
-    return FIRMWARE / elf
-
-
 def output(*command: str) -> str:
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
@@ -88,7 +76,7 @@ def instructions(elf: Path) -> list[Line]:
 @pytest.mark.parametrize("board", BOARDS)
 def test_registers_of_the_interrupt_are_left_alone(board: str) -> None:
     """r2 to r15 keep what was interrupted: nobody else names them, C or library."""
-    elf = built(board)
+    elf = image(board_name=board)
     own = symbols(elf, "FUNC")[INTERRUPT[board]]
     listing = instructions(elf)
     assert len(listing) > 5_000
@@ -105,7 +93,7 @@ def test_registers_of_the_interrupt_are_left_alone(board: str) -> None:
 @pytest.mark.parametrize("board", BOARDS)
 def test_the_interrupt_writes_them_once(board: str) -> None:
     """Saved at its entry, read where it ends."""
-    elf = built(board)
+    elf = image(board_name=board)
     own = symbols(elf, "FUNC")[INTERRUPT[board]]
     touching = [
         line for line in instructions(elf) if line.address in own and touches_reserved(line)
@@ -135,5 +123,5 @@ def test_touching_is_seen(text: str, touches: bool) -> None:
 
 
 def test_it_fits_beside_the_larger_boot_loader() -> None:
-    text, data = output("avr-size", str(built("uno"))).splitlines()[1].split()[:2]
+    text, data = output("avr-size", str(image())).splitlines()[1].split()[:2]
     assert int(text) + int(data) <= FLASH_BYTES
