@@ -11,6 +11,7 @@
     │   ├── HomingError         an end that is not found or does not open
     │   ├── ProbeError          a probe that touches never, or already
     │   ├── SilenceAlarm        the program did not look after its driver in time
+    │   ├── StopAlarm           the driver stopped, and nobody had asked for it
     │   └── PortError           the metal is not reachable
     └── Cancelled               the user stopped it                    exit 130
 
@@ -77,6 +78,10 @@ class ProbeError(Alarm):
 
 class SilenceAlarm(Alarm):
     """The driver heard nothing from the program while the motors ran, and braked."""
+
+
+class StopAlarm(Alarm):
+    """The driver stopped without ramp and dropped its queue; the program had not asked for it."""
 
 
 class PortError(Alarm):

@@ -21,7 +21,7 @@ from fraese.ahead import Ahead
 from fraese.aside import Detour
 from fraese.config import Config
 from fraese.endswitches import EndSwitches
-from fraese.errors import FraeseError, PortError, SilenceAlarm, StateError
+from fraese.errors import FraeseError, PortError, SilenceAlarm, StateError, StopAlarm
 from fraese.jobs import Job
 from fraese.log import write as log_line
 from fraese.motor.seams import Clock, Ended, IdleLevel, StepDriver
@@ -277,12 +277,18 @@ class RunLoop:
             self.say(" ".join([self.message, *said]).strip())
 
     def _alarm(self) -> FraeseError:
-        if self._ahead.report.ended is not Ended.SILENCE:
-            return self._switches.alarm()
-        return SilenceAlarm(
-            "The program did not look after the motors for too long; they were braked and switched"
-            f" off at {self._whereabouts.in_words()}."
-        )
+        ended, where = self._ahead.report.ended, self._whereabouts.in_words()
+        if ended is Ended.SILENCE:
+            return SilenceAlarm(
+                "The program did not look after the motors for too long; they were braked and"
+                f" switched off at {where}."
+            )
+        if ended is Ended.STOP:
+            return StopAlarm(
+                f"The motors stopped at {where}, and nobody here had asked for it: look at the line"
+                " and at who else uses it."
+            )
+        return self._switches.alarm()
 
     def _halt_motors(self) -> None:
         """HaltMotoren: current off or down, now or later."""

@@ -194,7 +194,7 @@ class Runner:
         return True
 
     def _judge(self, report: Report) -> Status:
-        if self._ahead.has_begun and report.ended in (Ended.SWITCH, Ended.SILENCE):
+        if self._ahead.has_begun and self._is_alarm(report.ended):
             return self._end(Status.ERROR)
         if self._stop and not report.running:
             return self._end(Status.CANCEL)
@@ -205,6 +205,11 @@ class Runner:
         if self._job is None and not owed and not report.queued and not self._cancel:
             return self._end(Status.OK)
         return Status.RUN
+
+    def _is_alarm(self, ended: Ended) -> bool:
+        # What follows a stop that nobody asked for would be made from the wrong place.
+        stray = ended is Ended.STOP and not self._stop
+        return stray or ended in (Ended.SWITCH, Ended.SILENCE)
 
     def _end(self, status: Status) -> Status:
         if self._job is not None:

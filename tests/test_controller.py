@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from fraese.assembly import Plant
 from fraese.config import AxisConfig
-from fraese.errors import LimitError, PortError, SilenceAlarm, StateError
+from fraese.errors import LimitError, PortError, SilenceAlarm, StateError, StopAlarm
 from fraese.machine import Machine
 from fraese.motor.seams import Ended, Report
 from fraese.state import Status
@@ -501,6 +501,20 @@ def test_a_silent_program_is_an_alarm_of_its_own() -> None:
     assert isinstance(controller.error, SilenceAlarm)
     assert "X 0." in controller.state().message
     assert all(controller.state().referenced)
+
+
+def test_a_stop_that_nobody_asked_for_ends_the_job() -> None:
+    made = homed()
+    controller = made.controller
+    driver = controller._driver
+    after_slices(controller, 2, driver.stop)
+    controller.jog("x", 5)
+    assert controller.run() is Status.ERROR
+    assert isinstance(controller.error, StopAlarm)
+    assert "nobody here had asked for it" in controller.state().message
+    controller.acknowledge()
+    controller.jog("x", 0.5)
+    assert controller.run() is Status.OK
 
 
 # --- end switches --------------------------------------------------------------------------------

@@ -29,7 +29,7 @@
 #define SLICE_CYCLES (SIM_F_CPU_HZ / 10000)
 #define CATCH_UP_S 0.002
 #define USB_BUFFER_BYTES 64 /* what the serial chip holds; the rest waits in the kernel */
-#define SHARED_BYTES 32
+#define SHARED_BYTES 40
 
 /* Written by others while we run; cycle, client and marked are ours. */
 struct shared {
@@ -40,6 +40,7 @@ struct shared {
     uint64_t cycle;
     uint64_t marked_cycle; /* when the marked byte came; written if it was 0, as others make it */
     uint64_t marked_ns;    /* the same by the wall (CLOCK_MONOTONIC) */
+    uint64_t limit_cycle;  /* simulated time waits here until it is moved on; 0: nowhere */
 };
 
 struct host {
@@ -171,9 +172,14 @@ static void sleep_s(double seconds) {
     nanosleep(&time, NULL);
 }
 
+static int must_wait(const struct host *host) {
+    uint64_t limit_cycle = host->shared->limit_cycle;
+    return host->shared->hold || (limit_cycle && sim_cycle(host->sim) >= limit_cycle);
+}
+
 static void hold(struct host *host) {
-    while (host->shared->hold && !wants_end)
-        sleep_s(0.0005);
+    while (must_wait(host) && !wants_end)
+        sleep_s(0.0002);
 }
 
 static void keep_pace(struct host *host) {

@@ -3,7 +3,8 @@
     fraese --config ... --pty--> simhost: firmware --log--> PtyMill: simulated mill
                                      ^-------- status pins -------'
 
-The mill follows in a thread of its own, a millisecond or two behind: switches close that late.
+The mill follows in a thread of its own, a millisecond or two behind: switches close that late. The
+firmware waits where the mill is further behind, which it is on a busy machine.
 """
 
 import threading
@@ -15,10 +16,11 @@ from fraese.motor.clock import VirtualClock
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import CONTROL, DATA
 from fraese.simulation import simulated_mill
-from rigs.avr.host import SimHost
+from rigs.avr.host import SimHost, prefer
 from tests.bridge.device import image
 
 _PAUSE_S = 0.001
+_BEHIND_CYCLES = 64_000
 
 
 class PtyMill:
@@ -55,6 +57,7 @@ class PtyMill:
         self.host.stop()
 
     def _follow(self) -> None:
+        prefer(threading.get_native_id())
         while not self._ends.wait(_PAUSE_S):
             with self._lock:
                 self._catch_up()
@@ -68,6 +71,7 @@ class PtyMill:
             write[int(access["register"])](int(access["value"]))
         self._clock.wait_until(until_cycle * 1000 // 16)
         self.host.set_status(self.mill.read_status())
+        self.host.wait_at(until_cycle + _BEHIND_CYCLES)
 
     def carriages_steps(self) -> tuple[float, ...]:
         """Where they are, from the lower switches."""

@@ -20,10 +20,10 @@ from fraese.motor.bridge.codec import (
     frame,
     stuffed,
 )
+from fraese.motor.bridge.recordreader import RecordReader
 from fraese.motor.bridge.records import (
     Carried,
     Dry,
-    RecordReader,
     carried_after,
     effective_jump_q8,
     record,

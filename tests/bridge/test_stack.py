@@ -90,14 +90,14 @@ def until_moving(stack: Stack, beyond_steps: float) -> None:
 
 def test_homing_and_a_program_end_where_they_should(stack: Stack) -> None:
     homed = stack.run("home", "--json")
-    assert homed.returncode == 0, homed.stderr
+    assert homed.returncode == 0, homed.stdout + homed.stderr
     assert all(json.loads(homed.stdout)["referenced"].values())
     zero = stack.mill.carriages_steps()
     program = stack_file(
         stack, "G21 G90\nG0 X3 Y2\nG1 X3.5 Y2.5 Z-1 F600\nG2 X3.5 Y2.5 I-1 J0\nG0 X1 Y1\n"
     )
     ran = stack.run("run", str(program), "--json")
-    assert ran.returncode == 0, ran.stderr
+    assert ran.returncode == 0, ran.stdout + ran.stderr
     result = json.loads(ran.stdout)
     assert result["status"] == "done"
     moved = [b - a for a, b in zip(zero, stack.mill.carriages_steps(), strict=True)]

@@ -120,17 +120,34 @@ def test_the_plug_is_pulled_at_the_given_time(start: Start) -> None:
     assert host.cycle >= 0.05 * 16e6 - 1_600
 
 
-def test_time_stands_still_while_held(start: Start) -> None:
-    host = start("--speed", "0")
-    until(lambda: host.cycle > 0)
-    host.hold(True)
+def stands_still(host: SimHost) -> int:
+    """Wait until time does not pass any more; the cycle."""
     readings = [-1]
     while len(set(readings[-20:])) > 1 or len(readings) < 20:
         readings.append(host.cycle)
         time.sleep(0.002)
-    assert readings[-1] > 0
+    return readings[-1]
+
+
+def test_time_stands_still_while_held(start: Start) -> None:
+    host = start("--speed", "0")
+    until(lambda: host.cycle > 0)
+    host.hold(True)
+    stood = stands_still(host)
+    assert stood > 0
     host.hold(False)
-    until(lambda: host.cycle > readings[-1])
+    until(lambda: host.cycle > stood)
+
+
+def test_time_waits_where_it_is_told_to(start: Start) -> None:
+    host = start("--speed", "0")
+    host.wait_at(host.cycle + 16_000)
+    stood = stands_still(host)
+    host.wait_at(stood + 16_000)
+    until(lambda: host.cycle >= stood + 16_000)
+    assert stands_still(host) < stood + 20_000
+    host.wait_at(0)
+    until(lambda: host.cycle > stood + 100_000)
 
 
 def test_as_fast_as_it_goes_or_as_real_time(start: Start) -> None:

@@ -11,7 +11,7 @@ Rule 3: what is damaged is thrown away and counted, never repaired here.
 import binascii
 import struct
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from fraese.motor.bridge.constants import (
     ACK_GAP,
@@ -145,6 +145,13 @@ class Place(NamedTuple):
     moved: int
 
 
+def _numbers(layout: struct.Struct, payload: bytes, what: str) -> tuple[Any, ...]:
+    """The fields at the beginning of a payload; what follows them is of a later version."""
+    if len(payload) < layout.size:
+        raise ValueError(f"{what} of {len(payload)} bytes; {layout.size} at least")
+    return layout.unpack_from(payload)
+
+
 @dataclass(frozen=True, slots=True)
 class Hello:
     """What the device answers to HELLO.
@@ -189,9 +196,7 @@ class Hello:
         Raises:
             ValueError: if it is too short.
         """
-        if len(payload) < cls._FORMAT.size:
-            raise ValueError(f"a HELLO reply of {len(payload)} bytes; {cls._FORMAT.size} at least")
-        head = cls._FORMAT.unpack_from(payload)
+        head = _numbers(cls._FORMAT, payload, "a HELLO reply")
         version, session, major, minor, ring, longest, motors, table, window = head[:9]
         able, reason, boots, moving = head[9:]
         board = payload[cls._FORMAT.size :].decode("ascii", "replace")
@@ -231,9 +236,7 @@ class Ack:
         Raises:
             ValueError: if it is too short.
         """
-        if len(payload) < cls._FORMAT.size:
-            raise ValueError(f"an ACK of {len(payload)} bytes; {cls._FORMAT.size} at least")
-        next_seq, session, flags, epoch, free, seq, code = cls._FORMAT.unpack_from(payload)
+        next_seq, session, flags, epoch, free, seq, code = _numbers(cls._FORMAT, payload, "an ACK")
         return cls(next_seq, session, bool(flags & ACK_GAP), epoch, free, seq, code)
 
 
@@ -291,15 +294,13 @@ class Status:
         """From the payload of a STATUS.
 
         Raises:
-            ValueError: if it has another length.
+            ValueError: if it is too short.
         """
-        if len(payload) != cls._FORMAT.size:
-            raise ValueError(f"a STATUS of {len(payload)} bytes; it has {cls._FORMAT.size}")
         (
             ack, state, more, ended, serial, done, moved, last, interval, inputs,
             latched_serial, latched_done, latched_moved, contact, oldest,
             late, dry, throttle, errors, brakes, stops, override, phases, torn,
-        ) = cls._FORMAT.unpack(payload)  # fmt: skip
+        ) = _numbers(cls._FORMAT, payload, "a STATUS")  # fmt: skip
         return cls(
             Ack.parse(ack), State(state), More(more), ended,
             Place(serial, done, moved), last, interval, inputs,

@@ -30,8 +30,9 @@ from fraese.motor.bridge.greeting import PATIENCE_S
 from fraese.motor.bridge.line import OpenLine
 from fraese.motor.bridge.outbox import Outbox
 from fraese.motor.bridge.picture import Picture
+from fraese.motor.bridge.search import Search
 from fraese.motor.bridge.session import Session
-from fraese.motor.bridge.stepwise import Steps, advance, finish
+from fraese.motor.bridge.stepwise import Steps, finish
 from fraese.motor.seams import Card, Clock, Ended, IdleLevel, Report, SwitchMode
 from fraese.motor.switches import SwitchInput
 
@@ -40,10 +41,6 @@ _ANSWER_S: Final = 0.004
 #: Between two reports while a run is watched: often enough to keep the ring filled, and seldom, for
 #: a report costs the device as much time as forty steps.
 _LOOK_S: Final = 0.02
-#: Between two attempts to find a lost device again.
-_REVIVE_S: Final = 1.0
-#: So much of an attempt is made in one poll.
-_ATTEMPT_S: Final = 0.02
 _MOST_OVERRIDE_Q8: Final = 0xFFFF
 _NS_PER_S: Final = 1_000_000_000
 _LEVELS: Final[Mapping[IdleLevel, bytes]] = {IdleLevel.OFF: b"\x00", IdleLevel.HOLD: b"\x01"}
@@ -98,12 +95,10 @@ class BridgeDriver:
         self._mode = SwitchMode.STOP
         self._override_q8 = self._override_sent_q8 = Q8
         self._stopping = False
-        self._revive_at_ns = 0
         self._closed = False
         self._picture = Picture(card, has_table=bool(facts.table))
         self._session: Session | None = None
-        self._attempt: Steps[None] | None = None
-        self._found = ""
+        self._search = Search(self._connecting_again, clock, name)
         finish(self._connecting(again=False))
 
     # --- the seam --------------------------------------------------------------------------------
@@ -133,7 +128,8 @@ class BridgeDriver:
         """
         until_ns = self._clock.now_ns() + round(budget_s * _NS_PER_S)
         if self._session is None:
-            self._revive()
+            self._require_open()
+            self._search.look()
         picture = self._picture
         with self._guarded() as session:
             if picture.stands or budget_s < 2 * _ANSWER_S:
@@ -204,8 +200,7 @@ class BridgeDriver:
             PortError: if the device did not confirm it.
         """
         self._closed = True
-        if self._attempt is not None:
-            self._attempt.close()
+        self._search.close()
         session, self._session = self._session, None
         if session is not None:
             session.close()
@@ -219,11 +214,14 @@ class BridgeDriver:
         Raises:
             PortError: if there is none.
         """
-        if self._closed:
-            raise PortError("The port is closed.")
+        self._require_open()
         if self._session is None:
             raise PortError(f"The bridge on {self._name} is lost.")
         return self._session
+
+    def _require_open(self) -> None:
+        if self._closed:
+            raise PortError("The port is closed.")
 
     @property
     def status(self) -> Status:
@@ -324,35 +322,9 @@ class BridgeDriver:
             where = self._picture.whereabouts()
             raise PortError(f"{str(error).rstrip('.')}; {where}.") from error
 
-    def _revive(self) -> None:
-        """Look for the device, for a moment; counts go on, but nobody knows what they are worth.
-
-        Raises:
-            PortError: as long as it is not found.
-        """
-        if self._closed:
-            raise PortError("The port is closed.")
-        clock = self._clock
-        if self._attempt is None and clock.now_ns() >= self._revive_at_ns:
-            self._picture.lose()
-            self._attempt = self._connecting(again=True)
-        until_ns = clock.now_ns() + round(_ATTEMPT_S * _NS_PER_S)
-        try:
-            if self._attempt and advance(self._attempt, lambda: clock.now_ns() >= until_ns):
-                self._end_attempt("")
-                return
-        except PortError as error:
-            self._end_attempt(f" {error}")
-        raise PortError(f"The bridge on {self._name} is lost; it is looked for.{self._found}")
-
-    def _end_attempt(self, found: str) -> None:
-        """Nothing more is done about it for a while.
-
-        Args:
-            found: what kept it from succeeding, as a further sentence.
-        """
-        self._attempt, self._found = None, found
-        self._revive_at_ns = self._clock.now_ns() + round(_REVIVE_S * _NS_PER_S)
+    def _connecting_again(self) -> Steps[None]:
+        self._picture.lose()
+        return self._connecting(again=True)
 
     def _connecting(self, *, again: bool) -> Steps[None]:
         """A session, with all that it needs here.

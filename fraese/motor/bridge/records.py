@@ -1,4 +1,4 @@
-"""Blocks as records, the stream that fills the device's ring: there and back.
+"""Blocks as records, the stream that fills the device's ring. ``recordreader.py`` is the way back.
 
     record   length | dry point | body
     body     shape | law | (rare) | (count) | steps | limits ... | pieces
@@ -7,15 +7,13 @@ Rule 1: a record says what is different: limits that are those of the block befo
         an interval that goes on where the piece before ended costs nothing.
 Rule 2: what the device needs and the host knows already is sent worked out: the effective
         start/stop rate, the dry point, the shortest interval of a plan with an override.
-Rule 3: what comes back is the block as the device plays it: without weight and tag, its
-        start/stop rate the effective one.
 """
 
 import struct
 from math import isqrt
 from typing import Final, NamedTuple
 
-from fraese.blocks import Block, Outputs, Piece, Watch
+from fraese.blocks import Block, Piece
 from fraese.motor.bridge.constants import (
     DRY_NONE,
     LAW_ACCEL,
@@ -39,9 +37,10 @@ from fraese.motor.bridge.constants import (
 
 #: ``isqrt(accel_q * this) >> 2`` is a start/stop rate as good as standing, see the throttle.
 _FROM_REST: Final = 62_500
-_U32: Final = 0xFFFF_FFFF
-_ACTIONS: Final = {number: action for action, number in WATCH_ACTIONS.items()}
-_WIDTHS: Final = (1, 2, 4)
+#: What a number of four bytes holds.
+U32: Final = 0xFFFF_FFFF
+#: Bytes of a step count, by its code.
+WIDTHS: Final = (1, 2, 4)
 
 
 class Carried(NamedTuple):
@@ -152,7 +151,7 @@ def _steps(steps: tuple[int, ...]) -> tuple[int, bytes]:
     longest = max(n if n >= 0 else -n - 1 for n in steps)
     code = 0 if longest < 0x80 else 1 if longest < 0x8000 else 2
     moving = sum(1 << motor for motor, n in enumerate(steps) if n)
-    numbers = b"".join(n.to_bytes(_WIDTHS[code], "little", signed=True) for n in steps if n)
+    numbers = b"".join(n.to_bytes(WIDTHS[code], "little", signed=True) for n in steps if n)
     return moving | code << SHAPE_WIDTH_SHIFT, numbers
 
 
@@ -194,7 +193,7 @@ def _pieces(pieces: list[Piece], moves: bool) -> bytes:
         add_form, add = _add(piece.add_q8)
         out.append(ticks_form | form << PIECE_INTERVAL_SHIFT | add_form << PIECE_ADD_SHIFT)
         out += ticks + interval + add
-        goes_on_q8 = piece.interval_q8 + piece.ticks * piece.add_q8 & _U32
+        goes_on_q8 = piece.interval_q8 + piece.ticks * piece.add_q8 & U32
     return bytes(out)
 
 
@@ -215,7 +214,7 @@ def _interval(interval_q8: int, goes_on_q8: int) -> tuple[int, bytes]:
         return 2, change.to_bytes(2, "little", signed=True)
     size = max(2, (interval_q8.bit_length() + 7) // 8)
     if size > 4:
-        raise ValueError(f"an interval of {interval_q8}/256 cycles; {_U32} at most")
+        raise ValueError(f"an interval of {interval_q8}/256 cycles; {U32} at most")
     return size + 1, interval_q8.to_bytes(size, "little")
 
 
@@ -226,146 +225,3 @@ def _add(add_q8: int) -> tuple[int, bytes]:
         if -1 << 8 * size - 1 <= add_q8 < 1 << 8 * size - 1:
             return form, add_q8.to_bytes(size, "little", signed=True)
     raise ValueError(f"an interval that changes by {add_q8}/256 cycles a tick")
-
-
-class Received(NamedTuple):
-    """A record as the device understands it.
-
-    Attributes:
-        block: without weight and tag, with the effective start/stop rate.
-        top_cycles: shortest interval of the plan, in cycles; 0: none was sent.
-        dry: its dry point.
-    """
-
-    block: Block
-    top_cycles: int
-    dry: Dry | None
-
-
-class RecordReader:
-    """Takes the stream in pieces of any size and gives the blocks in it.
-
-    Args:
-        motors: of the card.
-    """
-
-    def __init__(self, motors: int) -> None:
-        self._motors = motors
-        self._carried = Carried()
-        self._data = bytearray()
-
-    def feed(self, data: bytes) -> list[Received]:
-        """All records that came to their end with these bytes."""
-        self._data += data
-        found = []
-        while (whole := self._whole_record()) is not None:
-            dry, text, used = whole
-            block, top_cycles = self._block(_Bytes(text))
-            self._carried = carried_after(block, self._carried)
-            found.append(Received(block, top_cycles, dry))
-            del self._data[:used]
-        return found
-
-    def _whole_record(self) -> tuple[Dry | None, bytes, int] | None:
-        """Dry point, body, and bytes used; None: it has not come wholly."""
-        take = _Bytes(bytes(self._data))
-        try:
-            length = take.unsigned(1)
-            if length & 0x80:
-                length = (length & 0x7F) << 8 | take.unsigned(1)
-            back, ticks_done, shift = take.unsigned(1), 0, 0
-            more = back != DRY_NONE
-            while more:
-                byte = take.unsigned(1)
-                ticks_done |= (byte & 0x7F) << shift
-                shift += 7
-                more = bool(byte & 0x80)
-            text = take.some(length)
-        except IndexError:
-            return None
-        return (None if back == DRY_NONE else Dry(back, ticks_done)), text, take.at
-
-    def _block(self, take: "_Bytes") -> tuple[Block, int]:
-        shape, law = take.unsigned(1), take.unsigned(1)
-        rare = take.unsigned(1) if shape & SHAPE_RARE else 0
-        count = law & LAW_PIECES
-        if count == LAW_PIECES:
-            count = take.unsigned(1)
-        width = _WIDTHS[shape >> SHAPE_WIDTH_SHIFT & 3]
-        steps = tuple(
-            take.signed(width) if shape >> motor & 1 else 0 for motor in range(self._motors)
-        )
-        before = self._carried
-        accel_q = take.limit(law & LAW_ACCEL, rare & RARE_ACCEL, before.accel_q)
-        jump_q8 = take.limit(law & LAW_JUMP, rare & RARE_JUMP, before.jump_q8)
-        override_q8 = take.unsigned(2) if law & LAW_OVERRIDE else before.override_q8
-        top_cycles = take.unsigned(3) if rare & RARE_TOP else 0
-        watch = outputs = None
-        if rare & RARE_WATCH:
-            watch = Watch(take.unsigned(1), take.unsigned(1), _ACTIONS[take.unsigned(1)])
-        if rare & RARE_OUTPUTS:
-            packed = take.unsigned(1)
-            outputs = Outputs(packed >> 4, packed & 15)
-        pieces = _read_pieces(take, count, max(abs(n) for n in steps))
-        moves = any(steps)
-        block = Block(
-            steps=steps,
-            pieces=pieces,
-            accel_q=accel_q if moves else 0,
-            jump_rate_q8=jump_q8 if moves else 0,
-            ends_at_rest=bool(shape & SHAPE_RESTS),
-            watch=watch,
-            outputs=outputs,
-            override_q8=override_q8,
-        )
-        return block, top_cycles
-
-
-def _read_pieces(take: "_Bytes", count: int, longest: int) -> tuple[Piece, ...]:
-    pieces: list[Piece] = []
-    goes_on_q8 = done = 0
-    for _ in range(count):
-        head = take.unsigned(1)
-        form = head & 3
-        ticks = take.unsigned((0, 1, 2, 4)[form]) if form else longest - done
-        form = head >> PIECE_INTERVAL_SHIFT & 7
-        if form >= 3:
-            interval_q8 = take.unsigned(form - 1)
-        else:
-            interval_q8 = goes_on_q8 + (take.signed(form) if form else 0)
-        form = head >> PIECE_ADD_SHIFT & 3
-        add_q8 = take.signed((0, 1, 2, 4)[form]) if form else 0
-        pieces.append(Piece(ticks, interval_q8, add_q8))
-        done += ticks
-        goes_on_q8 = interval_q8 + ticks * add_q8 & _U32
-    return tuple(pieces)
-
-
-class _Bytes:
-    """Numbers out of bytes, one after the other.
-
-    Raises:
-        IndexError: from every method, when there are not enough.
-    """
-
-    def __init__(self, data: bytes) -> None:
-        self._data = data
-        self.at = 0
-
-    def some(self, count: int) -> bytes:
-        if self.at + count > len(self._data):
-            raise IndexError(count)
-        self.at += count
-        return self._data[self.at - count : self.at]
-
-    def unsigned(self, size: int) -> int:
-        return int.from_bytes(self.some(size), "little")
-
-    def signed(self, size: int) -> int:
-        return int.from_bytes(self.some(size), "little", signed=True)
-
-    def limit(self, short: int, long: int, before: int) -> int:
-        if short:
-            mantissa = self.unsigned(1)
-            return mantissa << self.unsigned(1)
-        return self.unsigned(4) if long else before
