@@ -321,6 +321,8 @@ again:
     rjmp rise
     sbrc r25, MODE_FALLS
     rjmp fall
+    sbrc r25, MODE_CONTROLS
+    rjmp control
     call_c player_play              // anything but a usual beat
     rjmp called
 
@@ -333,6 +335,7 @@ phases:
     lds  r24, player + PLAYER_DUE
     lds  r25, player + PLAYER_DUE + 1
     wait_out
+movements:
     movement 0
     breq written
     movement 1 r21
@@ -459,7 +462,8 @@ prepared_wait:                      // r19:r18 after the deadline before
     adc  r25, r19
     sts  player + PLAYER_DUE, r24
     sts  player + PLAYER_DUE + 1, r25
-    subi r24, EARLY_CYCLES
+    lds  r22, player + PLAYER_EARLY
+    sub  r24, r22
     sbci r25, 0
     sts  OCR1AH, r25
     sts  OCR1AL, r24
@@ -529,6 +533,28 @@ take_byte_early:
     ldi  r31, hi8(tracks)
     rjmp next_beat
 
+// Control lines change ahead of the movements.
+control:
+    lds  r20, beat + BEAT_CONTROL_HIGH
+    in   r21, _SFR_IO_ADDR(PORT_HIGH)
+    andi r21, DATA_HIGH_MASK
+    or   r20, r21
+    lds  r21, beat + BEAT_CONTROL_EXTRA
+    lds  r24, player + PLAYER_DUE
+    lds  r25, player + PLAYER_DUE + 1
+    wait_out
+    out  _SFR_IO_ADDR(PORT_HIGH), r20
+    out  _SFR_IO_ADDR(PORT_EXTRA), r21
+    ldi  r20, EARLY_CYCLES
+    sts  player + PLAYER_EARLY, r20
+    clr  r20
+    sts  beat + BEAT_CONTROL_DUE, r20
+    out  MODE, r20                  // MODE_PHASES
+    lds  r18, beat
+    lds  r19, beat + 1
+    lds  r20, beat + BEAT_END
+    rjmp movements
+
 none_narrow:
     ldd  r21, Y + BLOCK_WIDE
     minor 0 3 minors_done
@@ -557,8 +583,14 @@ block_begins:
     sts  player + PLAYER_CYCLES, r22
     ldd  r22, Y + BLOCK_ENTRY + 1
     sts  player + PLAYER_CYCLES + 1, r22
+    ldd  r24, Y + BLOCK_OUTPUTS_DUE
+    tst  r24
+    brne outputs_change
     ldd  r20, Y + BLOCK_BEATS
     rjmp prepare
+outputs_change:
+    call_c player_hand_over
+    rjmp called
 
 // What is wished (r24) is only a look at the dry point, and that is still ahead: else Z is set.
 // Uses r18, r22.
@@ -805,7 +837,7 @@ rise_within_piece:
 
 rise_higher:
     count_higher rise_done_counted
-rise_perhaps_last:                  // if so, the next piece or block is seen to after the fall
+rise_perhaps_last:                  // if so, the next block is seen to now, the next edge after the fall
     load_done 1
     cp   r18, r21
     brne rise_within_piece
@@ -813,7 +845,11 @@ rise_perhaps_last:                  // if so, the next piece or block is seen to
     cp   r18, r21
     brne rise_within_piece
     rcall find_fall
+    rcall go_over
     ldi  r20, MODE_LAST_FALL
+    breq 1f
+    ldi  r20, MODE_NEXT_FALL
+1:  lds  r18, player + PLAYER_FALL
     rjmp set_timer
 rise_unsteady:
     rcall find_fall
@@ -893,13 +929,13 @@ to_rise:
 
 fall_wished:
     cpi  r20, MODE_LAST_FALL
-    breq slow_fall
+    brsh slow_fall
     rcall dry_is_ahead
     brne fall_unwished
 slow_fall:                          // r20: the mode says whether the next edge is made out
     ldi  r24, 1
     cpi  r20, MODE_LAST_FALL
-    brne 1f
+    brlo 1f
     ldi  r24, 0
 1:  sts  player + PLAYER_IS_MADE_OUT, r24
     call_c player_fell
@@ -950,7 +986,7 @@ fall_unsteady:
 1:  std  Y + BLOCK_RAMPS, r24
 wait_known:
     cpi  r20, MODE_LAST_FALL
-    breq 1f
+    brsh 1f
     rjmp to_rise
 1:  ldi  r20, MODE_FAST_RISE
 

@@ -256,8 +256,8 @@ static void go_to_beat(bool first)
     if (block->outputs_due)
         make_outputs_of(block);
     uint32_t wait = prepare_phases();
-    bool usual = block->moving && !beat.control_due && player.cycles < FAR_CYCLES;
-    arm(usual ? MODE_PHASES : MODE_SLOW, wait);
+    bool usual = block->moving && player.cycles < FAR_CYCLES;
+    arm(!usual ? MODE_SLOW : beat.control_due ? MODE_CONTROL : MODE_PHASES, wait);
 }
 
 static void prepare_clocks(void)
@@ -359,7 +359,6 @@ static bool begin_block(void)
         player.halt = records_waiting ? STARVED : AT_END;
         return false;
     }
-    throttle_settle_limits();
     struct block *block = &blocks[player.taken & 1];
     player.taken++;
     player.block = block;
@@ -426,7 +425,8 @@ void player_prepare(struct block *block)
         return;
     }
     divide(block, (uint16_t)block->entry_cycles);
-    block->is_plain &= !block->watch_pins && !block->outputs_due && block->exit_cycles;
+    block->is_plain &= !block->watch_pins && block->exit_cycles
+        && !(block->outputs_due && !is_phase_card());
 }
 
 /* Choose the next tick and make out its first writes; false: there is none. */
@@ -474,14 +474,16 @@ static uint8_t or_stop(bool goes_on)
 }
 
 /* The tick is taken: its beats for beats.S to go on, or TIMER_SET. */
-static uint8_t hand_over(void)
+uint8_t player_hand_over(void)
 {
     struct block *block = player.block;
-    if (block->ramps == RAMP_SLOW || block->outputs_due) {
+    if (block->ramps == RAMP_SLOW) {
         go_to_beat(true);
         return TIMER_SET;
     }
-    set_mode(MODE_PHASES);
+    if (block->outputs_due)
+        make_outputs_of(block);
+    set_mode(beat.control_due ? MODE_CONTROL : MODE_PHASES);
     return block->beats;
 }
 
@@ -494,7 +496,7 @@ static uint8_t take_next(void)
         return or_stop(false);
     line_poll();
     take_tick(cycles);
-    return hand_over();
+    return player_hand_over();
 }
 
 /* A tick of a phase card was played and counted, and the next is no usual one. */
@@ -517,7 +519,7 @@ uint8_t player_tick_chosen(void)
 {
     player.last_cycles = player.cycles;
     take_tick(player.block->interval_q8 >> 8);
-    return hand_over();
+    return player_hand_over();
 }
 
 /* Outputs change, at the cycle. */

@@ -47,6 +47,7 @@ struct player {
     uint16_t late;        /* with IS_LATE: by how much */
     uint8_t patience;     /* beats until the main loop gets a turn in any case */
     uint16_t late_ticks;
+    uint8_t early;        /* by which the compare match comes before the deadline */
 
     uint32_t plan_cycles; /* clock lines: the interval as chosen */
     uint32_t fall_cycles; /* from the edge to the fall */
@@ -54,7 +55,6 @@ struct player {
     bool is_made_out;     /* clock lines: motors of the next edge are known already */
     uint16_t wait_cycles; /* clock lines: from the fall to the next edge, if it is steady */
 
-    uint8_t early;        /* by which the compare match comes before the deadline */
     uint8_t after_hops;   /* mode of the interrupt that is waited for */
     bool from_rest;       /* the next block is the first of a run */
     volatile uint8_t halt;

@@ -439,6 +439,8 @@ static void read_piece(void)
             block->ticks = reading.ticks;
         reading.exit_cycles = block->moving ? (reading.goes_on_q8 - (uint32_t)add_q8) >> 8 : 0;
     }
+    if (ticks == 1 && card.facts.type == CARD_PHASES)
+        add_q8 = 0; /* it is never added */
     bool was_ramp = reading.is_ramp;
     reading.is_ramp = add_q8 != 0;
     bool turns_boost = card.facts.type == CARD_CLOCKS && reading.is_ramp != was_ramp;
