@@ -15,6 +15,8 @@ _Static_assert(FAR_CYCLES >> 8 == FAR_HIGH, "one limit for C and assembler");
 #define HOP_SHIFT 14
 /* What must be chosen and made out outside the interrupt is at least so far ahead. */
 #define SOON_CYCLES 800
+/* Time begins so long after it is asked to: the first tick is chosen and made out until then. */
+#define START_CYCLES 2400
 #define MOST_BEATS 8
 /* From the look at the counter until a compare match that was found to be due later is set. */
 #define SET_CYCLES 100
@@ -697,7 +699,7 @@ void player_start(void)
     player.cycles = 0;
     player.from_rest = !player.block;
     cli();
-    player.due = TCNT1 + SOON_CYCLES;
+    player.due = TCNT1 + START_CYCLES;
     sei();
     if (go_on())
         set_timer();
