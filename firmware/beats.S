@@ -4,13 +4,13 @@
 //     |--- wait -----|out out out ... in|-- next beat made out --| compare set, line polled
 //     |<EARLY_CYCLES>|  motor 1, 2, 3   |
 //
-// Rule 1: registers r2 to r15 belong to this interrupt alone// the rest of the firmware is compiled
+// Rule 1: registers r2 to r15 belong to this interrupt alone; the rest of the firmware is compiled
 //         without them (-ffixed). So seven `movw` save what pushes would take 28 cycles for.
 // Rule 2: only what is usual is done here: a beat with movements, a tick within its piece, nothing
 //         wished. All else is called in C, after r0 and r1 are saved and r1 cleared.
-// Rule 3: structures are those of layout.h// this file decides nothing that C does not decide the
-//         same way (player.c: play_slowly, prepare).
-// Rule 4: the strobe is low for 8 cycles at least, half a microsecond// the loads of the next motor
+// Rule 3: structures are those of layout.h; this file decides nothing that C does not decide the
+//         same way (player.c: play_slowly; makeout.c).
+// Rule 4: the strobe is low for 8 cycles at least, half a microsecond; the loads of the next motor
 //         fill it.
 // Rule 5: Y is the block in hand wherever its time law is spoken of. So a block is gone over to by a
 //         pointer, at the price of two movements.
@@ -36,7 +36,7 @@ beat:
     .space BEAT_SIZE
     .text
 
-// Counter to `due` in r25:r24: waits// leaves IS_LATE and player.late if it was too late.
+// Counter to `due` in r25:r24: waits; leaves IS_LATE and player.late if it was too late.
 .macro wait_out
     lds  r22, TCNT1L
     lds  r23, TCNT1H
@@ -59,7 +59,7 @@ beat:
 8:
 .endm
 
-// One movement: r18 low, r19 high// afterwards they are those of the next one, and r23 is the
+// One movement: r18 low, r19 high; afterwards they are those of the next one, and r23 is the
 // reading. While the strobe is low, the reading before is compared with r26, what is quiet: r25
 // gathers the differences, `kept` keeps it.
 .macro movement number kept
@@ -81,7 +81,7 @@ beat:
     cpi  r20, lo8(beat + BEAT_ENTRY * (\number + 1))
 .endm
 
-// The mover at Y + offset moves on in the table// its bytes go to X, its bit to r25.
+// The mover at Y + offset moves on in the table; its bytes go to X, its bit to r25.
 .macro move offset
     ldd  r30, Y + \offset
     ldd  r23, Y + \offset + 1
@@ -112,7 +112,7 @@ beat:
     st   X+, r23
 .endm
 
-// A minor's sum goes on, in r23:r22 or r24:r23:r22// a carry is a step, and the limit is taken off.
+// A minor's sum goes on, in r23:r22 or r24:r23:r22; a carry is a step, and the limit is taken off.
 .macro load_sum number bytes
     ldd  r22, Y + MINOR_SIZE * \number + MINOR_SUM
     ldd  r30, Y + MINOR_SIZE * \number + MINOR_ADD
@@ -210,7 +210,7 @@ beat:
     ldd  r21, Y + BLOCK_PIECE_END + \byte
 .endm
 
-// A tick more is done, r18 of them in the lowest byte// to `carried` if there are more to count.
+// A tick more is done, r18 of them in the lowest byte; to `carried` if there are more to count.
 .macro count_tick carried
     lds  r18, player + PLAYER_DONE
     inc  r18
@@ -289,7 +289,7 @@ beat:
     .endr
 .endm
 
-// player.cycles becomes player.last_cycles// both are below 1 << 16, as all that is usual.
+// player.cycles becomes player.last_cycles; both are below 1 << 16, as all that is usual.
 .macro keep_last
     clr  r22
     sts  player + PLAYER_LAST + 2, r22
@@ -490,7 +490,7 @@ restore:
     movw r24, r2
     reti
 
-called:                             // r24: 0, the timer is stopped// 0xFF: it is set// or beats
+called:                             // r24: 0, the timer is stopped; 0xFF: it is set; or beats
     tst  r24
     breq restore
     mov  r20, r24
@@ -626,7 +626,7 @@ dry_is_ahead:
 3:  sez
     ret
 
-// The next block in hand, at the end of the last piece of the one before// Z set: that is a matter
+// The next block in hand, at the end of the last piece of the one before; Z set: that is a matter
 // for C. Uses r18, r24, r25.
 go_over:
     in   r24, WANT
@@ -707,7 +707,7 @@ ramp_ends:
     call_c player_tick_chosen
     rjmp called
 
-// The interval changes from tick to tick// its number of beats seldom does.
+// The interval changes from tick to tick; its number of beats seldom does.
 ramp:
     go_on_ramp
     cpi  r19, FAR_HIGH
@@ -787,7 +787,7 @@ late:
     sts  player + PLAYER_DUE + 1, r25
 3:  rjmp not_late
 
-// ---- Clock lines: an edge, half an interval later the fall// then the next interval is chosen.
+// ---- Clock lines: an edge, half an interval later the fall; then the next interval is chosen.
 
 // r18, r19: two port bytes, at their cycle.
 .macro write_pair_at_due
@@ -856,7 +856,7 @@ rise_unsteady:
     ldi  r20, MODE_FAST_FALL
     rjmp make_out
 
-// From the edge to the fall, in r19:r18// a ramp goes on.
+// From the edge to the fall, in r19:r18; a ramp goes on.
 find_fall:
     ldd  r25, Y + BLOCK_RAMPS
     cpi  r25, RAMP_FAST
@@ -883,7 +883,7 @@ find_fall:
     sts  player + PLAYER_NOT_BEFORE + 1, r23
     ret
 
-// Up to a quarter of its interval a write may be late without more ado// of a fall's, an eighth of
+// Up to a quarter of its interval a write may be late without more ado; of a fall's, an eighth of
 // the whole.
 .macro excuse shifts back
     lds  r22, player + PLAYER_LATE
@@ -990,7 +990,7 @@ wait_known:
     rjmp to_rise
 1:  ldi  r20, MODE_FAST_RISE
 
-// The motors of the next edge, into beat// then the timer is set. Keeps r18 to r20.
+// The motors of the next edge, into beat; then the timer is set. Keeps r18 to r20.
 make_out:
     ldd  r26, Y + BLOCK_LEADER      // bits of the data byte
     ldd  r21, Y + BLOCK_NARROW

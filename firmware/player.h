@@ -15,7 +15,10 @@
  *         beat of the tick was played, its interval is chosen anew.
  * Rule 5: a write that comes late by more than a quarter of its interval (a minor axis alone: half)
  *         is counted, and moves all that follows: no more is ever caught up by a shorter interval.
- * Rule 6: what the main loop owes (a piece, a block) and has not ready is waited for with the timer
+ * Rule 6: a block that is plain, after motion and with nothing on anybody's mind, is gone over to in
+ *         beats.S (player.next); any other is taken in hand by begin_block, in the time of a beat or
+ *         two of a fast one.
+ * Rule 7: what the main loop owes (a piece, a block) and has not ready is waited for with the timer
  *         stopped: `starved`.
  */
 #ifndef PLAYER_H
@@ -70,10 +73,6 @@ void player_cut(void);
 void player_continue(void);
 /* The motors stand: nothing is known of the last interval any more. */
 void player_rest(void);
-/* First piece known: what can be worked out ahead of the block's first tick. Main loop. */
-void player_prepare(struct block *block);
-/* The same for a later piece of it. */
-void player_prepare_piece(const struct block *block, struct piece *piece);
 /* What the tick played last took; 0 at rest. */
 uint32_t player_last(void);
 /* The block in hand is given up. */
