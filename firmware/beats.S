@@ -169,9 +169,6 @@ beat:
 
 // A byte has come, the UART's status is in r22: line_poll() of line.h. Uses r21, r23, Z.
 .macro receive_byte
-    lds  r30, line + LINE_IS_HELD
-    tst  r30
-    brne 1f
     lds  r30, line + LINE_HEAD
     ldi  r31, 0
     mov  r21, r30

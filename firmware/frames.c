@@ -7,7 +7,7 @@
 #include "line.h"
 #include "run.h"
 
-/* So many bytes of content are taken at one go: in less time than two take to come. */
+/* So many bytes of content are taken at one go. */
 #define RUN 16
 
 static struct {
@@ -101,6 +101,8 @@ static void take_plain_content(void)
     uint8_t *to = in.content + in.length;
     uint16_t crc = in.crc;
     for (; left && tail != *(volatile uint8_t *)&line.head; left--) {
+        if (!(left & 3))
+            line_poll();
         uint8_t byte = line.bytes[tail];
         if ((byte & RESERVED_MASK) == RESERVED)
             break;

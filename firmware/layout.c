@@ -55,7 +55,6 @@ AT(card, control_high, CARD_CONTROL_HIGH);
 AT(card, data, CARD_DATA);
 
 AT(line, head, LINE_HEAD);
-AT(line, is_held, LINE_IS_HELD);
 AT(line, errors, LINE_ERRORS);
 AT(line, bytes, LINE_BYTES);
 

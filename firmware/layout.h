@@ -50,9 +50,8 @@
 #define CARD_CONTROL_HIGH 46
 #define CARD_DATA 48
 #define LINE_HEAD 0
-#define LINE_IS_HELD 2
-#define LINE_ERRORS 3
-#define LINE_BYTES 4
+#define LINE_ERRORS 2
+#define LINE_BYTES 3
 #define LINE_RING 64
 
 /* struct player */
@@ -124,7 +123,7 @@
 
 /* From the compare match to the deadline: entry, an instruction, the longest lock, what is done
  * before the wait; less what the wait adds (wait_out: 16). */
-#define EARLY_CYCLES 38
+#define EARLY_CYCLES 42
 #define EARLY_SLOW_CYCLES 170 /* where C does it */
 /* No compare match is set closer than this: it might pass while it is being set. */
 #define NEAR_CYCLES 8

@@ -26,7 +26,7 @@ typedef __uint24 ticks_t; /* also eighths of ticks: 2^21 - 1 ticks in a block at
 #define RATE_CYCLES 4096000000UL /* rate_q8 times interval in cycles */
 #define SLICE_CYCLES 16000
 #define LATENCY_CYCLES 4096
-#define CRITICAL_CYCLES 18
+#define CRITICAL_CYCLES 26
 
 /* Wishes and conditions because of which an interval is not simply the plan's. */
 #define WANT GPIOR0
