@@ -183,8 +183,13 @@ def queue_ms(rate_hz: float, seconds: float) -> float:
     return stored * seconds * 1000
 
 
-def host_stands_still(rate_hz: float) -> tuple[int, int, float]:
-    """Late ticks, dry queues, and the rate after a pause of the host at full rate."""
+def host_stands_still(rate_hz: float) -> tuple[int, int, int, float]:
+    """A pause of the host at full rate.
+
+    Returns:
+        Late ticks of the 1.2 s before it, while bytes came; those of the pause; dry queues; the
+        rate afterwards.
+    """
     rig = Rig()
     blocks, pending = ramped(rate_hz), list[Block]()
     for _ in range(60):
@@ -194,6 +199,7 @@ def host_stands_still(rate_hz: float) -> tuple[int, int, float]:
     rig.chip.pass_by(round(STILL_S * 1e9))
     after = rig.driver.poll(0)
     return (
+        before.late_ticks,
         after.late_ticks - before.late_ticks,
         after.dry_queues - before.dry_queues,
         after.rate_hz,
@@ -271,7 +277,9 @@ def main() -> None:
     )
     _print(
         "host stopped for 200 ms at 25 kHz, three axes",
-        lambda: "{} late, {} dry, goes on at {:.0f} Hz".format(*host_stands_still(FULL_RATE_HZ)),
+        lambda: "{} late before, {} late, {} dry, goes on at {:.0f} Hz".format(
+            *host_stands_still(FULL_RATE_HZ)
+        ),
     )
     for rate_hz in (SMC_RATE_HZ, FULL_RATE_HZ):
         braking_ms = key_to_braking_ms(rate_hz)

@@ -4,13 +4,13 @@
 //     |--- wait -----|out out out ... in|-- next beat made out --| compare set, line polled
 //     |<EARLY_CYCLES>|  motor 1, 2, 3   |
 //
-// Rule 1: registers r2 to r15 belong to this interrupt alone// the rest of the firmware is compiled
+// Rule 1: registers r2 to r15 belong to this interrupt alone; the rest of the firmware is compiled
 //         without them (-ffixed). So seven `movw` save what pushes would take 28 cycles for.
 // Rule 2: only what is usual is done here: a beat with movements, a tick within its piece, nothing
 //         wished. All else is called in C, after r0 and r1 are saved and r1 cleared.
-// Rule 3: structures are those of layout.h// this file decides nothing that C does not decide the
-//         same way (player.c: play_slowly, prepare).
-// Rule 4: the strobe is low for 8 cycles at least, half a microsecond// the loads of the next motor
+// Rule 3: structures are those of layout.h; this file decides nothing that C does not decide the
+//         same way (player.c: play_slowly; makeout.c).
+// Rule 4: the strobe is low for 8 cycles at least, half a microsecond; the loads of the next motor
 //         fill it.
 // Rule 5: Y is the block in hand wherever its time law is spoken of. So a block is gone over to by a
 //         pointer, at the price of two movements.
@@ -36,7 +36,7 @@ beat:
     .space BEAT_SIZE
     .text
 
-// Counter to `due` in r25:r24: waits// leaves IS_LATE and player.late if it was too late.
+// Counter to `due` in r25:r24: waits; leaves IS_LATE and player.late if it was too late.
 .macro wait_out
     lds  r22, TCNT1L
     lds  r23, TCNT1H
@@ -59,7 +59,7 @@ beat:
 8:
 .endm
 
-// One movement: r18 low, r19 high// afterwards they are those of the next one, and r23 is the
+// One movement: r18 low, r19 high; afterwards they are those of the next one, and r23 is the
 // reading. While the strobe is low, the reading before is compared with r26, what is quiet: r25
 // gathers the differences, `kept` keeps it.
 .macro movement number kept
@@ -81,7 +81,7 @@ beat:
     cpi  r20, lo8(beat + BEAT_ENTRY * (\number + 1))
 .endm
 
-// The mover at Y + offset moves on in the table// its bytes go to X, its bit to r25.
+// The mover at Y + offset moves on in the table; its bytes go to X, its bit to r25.
 .macro move offset
     ldd  r30, Y + \offset
     ldd  r23, Y + \offset + 1
@@ -112,7 +112,7 @@ beat:
     st   X+, r23
 .endm
 
-// A minor's sum goes on, in r23:r22 or r24:r23:r22// a carry is a step, and the limit is taken off.
+// A minor's sum goes on, in r23:r22 or r24:r23:r22; a carry is a step, and the limit is taken off.
 .macro load_sum number bytes
     ldd  r22, Y + MINOR_SIZE * \number + MINOR_SUM
     ldd  r30, Y + MINOR_SIZE * \number + MINOR_ADD
@@ -169,9 +169,6 @@ beat:
 
 // A byte has come, the UART's status is in r22: line_poll() of line.h. Uses r21, r23, Z.
 .macro receive_byte
-    lds  r30, line + LINE_IS_HELD
-    tst  r30
-    brne 1f
     lds  r30, line + LINE_HEAD
     ldi  r31, 0
     mov  r21, r30
@@ -210,7 +207,7 @@ beat:
     ldd  r21, Y + BLOCK_PIECE_END + \byte
 .endm
 
-// A tick more is done, r18 of them in the lowest byte// to `carried` if there are more to count.
+// A tick more is done, r18 of them in the lowest byte; to `carried` if there are more to count.
 .macro count_tick carried
     lds  r18, player + PLAYER_DONE
     inc  r18
@@ -289,7 +286,7 @@ beat:
     .endr
 .endm
 
-// player.cycles becomes player.last_cycles// both are below 1 << 16, as all that is usual.
+// player.cycles becomes player.last_cycles; both are below 1 << 16, as all that is usual.
 .macro keep_last
     clr  r22
     sts  player + PLAYER_LAST + 2, r22
@@ -321,6 +318,8 @@ again:
     rjmp rise
     sbrc r25, MODE_FALLS
     rjmp fall
+    sbrc r25, MODE_CONTROLS
+    rjmp control
     call_c player_play              // anything but a usual beat
     rjmp called
 
@@ -333,6 +332,7 @@ phases:
     lds  r24, player + PLAYER_DUE
     lds  r25, player + PLAYER_DUE + 1
     wait_out
+movements:
     movement 0
     breq written
     movement 1 r21
@@ -459,7 +459,8 @@ prepared_wait:                      // r19:r18 after the deadline before
     adc  r25, r19
     sts  player + PLAYER_DUE, r24
     sts  player + PLAYER_DUE + 1, r25
-    subi r24, EARLY_CYCLES
+    lds  r22, player + PLAYER_EARLY
+    sub  r24, r22
     sbci r25, 0
     sts  OCR1AH, r25
     sts  OCR1AL, r24
@@ -486,7 +487,7 @@ restore:
     movw r24, r2
     reti
 
-called:                             // r24: 0, the timer is stopped// 0xFF: it is set// or beats
+called:                             // r24: 0, the timer is stopped; 0xFF: it is set; or beats
     tst  r24
     breq restore
     mov  r20, r24
@@ -529,6 +530,28 @@ take_byte_early:
     ldi  r31, hi8(tracks)
     rjmp next_beat
 
+// Control lines change ahead of the movements.
+control:
+    lds  r20, beat + BEAT_CONTROL_HIGH
+    in   r21, _SFR_IO_ADDR(PORT_HIGH)
+    andi r21, DATA_HIGH_MASK
+    or   r20, r21
+    lds  r21, beat + BEAT_CONTROL_EXTRA
+    lds  r24, player + PLAYER_DUE
+    lds  r25, player + PLAYER_DUE + 1
+    wait_out
+    out  _SFR_IO_ADDR(PORT_HIGH), r20
+    out  _SFR_IO_ADDR(PORT_EXTRA), r21
+    ldi  r20, EARLY_CYCLES
+    sts  player + PLAYER_EARLY, r20
+    clr  r20
+    sts  beat + BEAT_CONTROL_DUE, r20
+    out  MODE, r20                  // MODE_PHASES
+    lds  r18, beat
+    lds  r19, beat + 1
+    lds  r20, beat + BEAT_END
+    rjmp movements
+
 none_narrow:
     ldd  r21, Y + BLOCK_WIDE
     minor 0 3 minors_done
@@ -557,8 +580,14 @@ block_begins:
     sts  player + PLAYER_CYCLES, r22
     ldd  r22, Y + BLOCK_ENTRY + 1
     sts  player + PLAYER_CYCLES + 1, r22
+    ldd  r24, Y + BLOCK_OUTPUTS_DUE
+    tst  r24
+    brne outputs_change
     ldd  r20, Y + BLOCK_BEATS
     rjmp prepare
+outputs_change:
+    call_c player_hand_over
+    rjmp called
 
 // What is wished (r24) is only a look at the dry point, and that is still ahead: else Z is set.
 // Uses r18, r22.
@@ -594,7 +623,7 @@ dry_is_ahead:
 3:  sez
     ret
 
-// The next block in hand, at the end of the last piece of the one before// Z set: that is a matter
+// The next block in hand, at the end of the last piece of the one before; Z set: that is a matter
 // for C. Uses r18, r24, r25.
 go_over:
     in   r24, WANT
@@ -675,7 +704,7 @@ ramp_ends:
     call_c player_tick_chosen
     rjmp called
 
-// The interval changes from tick to tick// its number of beats seldom does.
+// The interval changes from tick to tick; its number of beats seldom does.
 ramp:
     go_on_ramp
     cpi  r19, FAR_HIGH
@@ -755,7 +784,7 @@ late:
     sts  player + PLAYER_DUE + 1, r25
 3:  rjmp not_late
 
-// ---- Clock lines: an edge, half an interval later the fall// then the next interval is chosen.
+// ---- Clock lines: an edge, half an interval later the fall; then the next interval is chosen.
 
 // r18, r19: two port bytes, at their cycle.
 .macro write_pair_at_due
@@ -805,7 +834,7 @@ rise_within_piece:
 
 rise_higher:
     count_higher rise_done_counted
-rise_perhaps_last:                  // if so, the next piece or block is seen to after the fall
+rise_perhaps_last:                  // if so, the next block is seen to now, the next edge after the fall
     load_done 1
     cp   r18, r21
     brne rise_within_piece
@@ -813,14 +842,18 @@ rise_perhaps_last:                  // if so, the next piece or block is seen to
     cp   r18, r21
     brne rise_within_piece
     rcall find_fall
+    rcall go_over
     ldi  r20, MODE_LAST_FALL
+    breq 1f
+    ldi  r20, MODE_NEXT_FALL
+1:  lds  r18, player + PLAYER_FALL
     rjmp set_timer
 rise_unsteady:
     rcall find_fall
     ldi  r20, MODE_FAST_FALL
     rjmp make_out
 
-// From the edge to the fall, in r19:r18// a ramp goes on.
+// From the edge to the fall, in r19:r18; a ramp goes on.
 find_fall:
     ldd  r25, Y + BLOCK_RAMPS
     cpi  r25, RAMP_FAST
@@ -847,7 +880,7 @@ find_fall:
     sts  player + PLAYER_NOT_BEFORE + 1, r23
     ret
 
-// Up to a quarter of its interval a write may be late without more ado// of a fall's, an eighth of
+// Up to a quarter of its interval a write may be late without more ado; of a fall's, an eighth of
 // the whole.
 .macro excuse shifts back
     lds  r22, player + PLAYER_LATE
@@ -893,13 +926,13 @@ to_rise:
 
 fall_wished:
     cpi  r20, MODE_LAST_FALL
-    breq slow_fall
+    brsh slow_fall
     rcall dry_is_ahead
     brne fall_unwished
 slow_fall:                          // r20: the mode says whether the next edge is made out
     ldi  r24, 1
     cpi  r20, MODE_LAST_FALL
-    brne 1f
+    brlo 1f
     ldi  r24, 0
 1:  sts  player + PLAYER_IS_MADE_OUT, r24
     call_c player_fell
@@ -950,11 +983,11 @@ fall_unsteady:
 1:  std  Y + BLOCK_RAMPS, r24
 wait_known:
     cpi  r20, MODE_LAST_FALL
-    breq 1f
+    brsh 1f
     rjmp to_rise
 1:  ldi  r20, MODE_FAST_RISE
 
-// The motors of the next edge, into beat// then the timer is set. Keeps r18 to r20.
+// The motors of the next edge, into beat; then the timer is set. Keeps r18 to r20.
 make_out:
     ldd  r26, Y + BLOCK_LEADER      // bits of the data byte
     ldd  r21, Y + BLOCK_NARROW

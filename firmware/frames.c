@@ -96,21 +96,24 @@ static bool take_byte(uint8_t byte)
 /* Content that needs no second look, as far as it has come: nothing reserved, nothing escaped. */
 static void take_plain_content(void)
 {
-    uint8_t tail = line.tail, length = in.length, before = length;
+    uint8_t tail = line.tail, room = CONTENT_MAX - in.length;
+    uint8_t most = room < RUN ? room : RUN, left = most;
+    uint8_t *to = in.content + in.length;
     uint16_t crc = in.crc;
-    while (tail != *(volatile uint8_t *)&line.head && length < CONTENT_MAX) {
-        line_poll();
+    for (; left && tail != *(volatile uint8_t *)&line.head; left--) {
+        if (!(left & 3))
+            line_poll();
         uint8_t byte = line.bytes[tail];
-        if ((byte & RESERVED_MASK) == RESERVED || length - before == RUN)
+        if ((byte & RESERVED_MASK) == RESERVED)
             break;
-        in.content[length++] = byte;
+        *to++ = byte;
         crc = _crc_xmodem_update(crc, byte);
         tail = (uint8_t)(tail + 1) & (LINE_RING - 1);
     }
-    if (length == before)
+    if (left == most)
         return;
     line.tail = tail;
-    in.length = length;
+    in.length += most - left;
     in.crc = crc;
     in.previous = 0;
     in.is_open = true;

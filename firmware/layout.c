@@ -31,6 +31,7 @@ AT(block, beat_cycles, BLOCK_BEAT_CYCLES);
 AT(block, lag_cycles, BLOCK_LAG);
 AT(block, shortest, BLOCK_SHORTEST);
 AT(block, serial, BLOCK_SERIAL);
+AT(block, outputs_due, BLOCK_OUTPUTS_DUE);
 AT(block, entry_cycles, BLOCK_ENTRY);
 
 AT(piece, end, PIECE_END);
@@ -54,7 +55,6 @@ AT(card, control_high, CARD_CONTROL_HIGH);
 AT(card, data, CARD_DATA);
 
 AT(line, head, LINE_HEAD);
-AT(line, is_held, LINE_IS_HELD);
 AT(line, errors, LINE_ERRORS);
 AT(line, bytes, LINE_BYTES);
 
@@ -74,6 +74,7 @@ AT(player, moved, PLAYER_MOVED);
 AT(player, late, PLAYER_LATE);
 AT(player, patience, PLAYER_PATIENCE);
 AT(player, late_ticks, PLAYER_LATE_TICKS);
+AT(player, early, PLAYER_EARLY);
 AT(player, plan_cycles, PLAYER_PLAN);
 AT(player, fall_cycles, PLAYER_FALL);
 AT(player, not_before, PLAYER_NOT_BEFORE);
@@ -91,5 +92,8 @@ AT(beat, restless, BEAT_RESTLESS);
 AT(beat, mind, BEAT_MIND);
 AT(beat, pins, BEAT_PINS);
 AT(beat, rest, BEAT_REST);
+AT(beat, control_due, BEAT_CONTROL_DUE);
+AT(beat, control_high, BEAT_CONTROL_HIGH);
+AT(beat, control_extra, BEAT_CONTROL_EXTRA);
 SIZE(entry, BEAT_ENTRY);
 SIZE(beat, BEAT_SIZE);

@@ -24,7 +24,8 @@
 #define BLOCK_LAG 47
 #define BLOCK_SHORTEST 48
 #define BLOCK_SERIAL 50
-#define BLOCK_ENTRY 52
+#define BLOCK_OUTPUTS_DUE 52
+#define BLOCK_ENTRY 53
 
 /* struct piece */
 #define PIECE_END 0
@@ -49,9 +50,8 @@
 #define CARD_CONTROL_HIGH 46
 #define CARD_DATA 48
 #define LINE_HEAD 0
-#define LINE_IS_HELD 2
-#define LINE_ERRORS 3
-#define LINE_BYTES 4
+#define LINE_ERRORS 2
+#define LINE_BYTES 3
 #define LINE_RING 64
 
 /* struct player */
@@ -71,18 +71,19 @@
 #define PLAYER_LATE 27
 #define PLAYER_PATIENCE 29
 #define PLAYER_LATE_TICKS 30
-#define PLAYER_PLAN 32
-#define PLAYER_FALL 36
-#define PLAYER_NOT_BEFORE 40
-#define PLAYER_IS_MADE_OUT 44
-#define PLAYER_WAIT 45
+#define PLAYER_EARLY 32
+#define PLAYER_PLAN 33
+#define PLAYER_FALL 37
+#define PLAYER_NOT_BEFORE 41
+#define PLAYER_IS_MADE_OUT 45
+#define PLAYER_WAIT 46
 
 /* struct throttle */
 #define THROTTLE_DRY_POINT 0
 #define THROTTLE_DRY_SERIAL 1
 #define THROTTLE_DRY_TICK 3
 
-/* What the next interrupt is. Two bits tell the frequent ones apart. */
+/* What the next interrupt is. Bits tell those apart that beats.S plays itself. */
 #define MODE_PHASES 0
 #define MODE_SLOW 1
 #define MODE_HOP 2
@@ -90,10 +91,13 @@
 #define MODE_FALL 4
 #define MODE_RISES 7 /* bit */
 #define MODE_FALLS 6 /* bit */
+#define MODE_CONTROLS 5 /* bit */
+#define MODE_CONTROL 0x20
 #define MODE_FAST_RISE 0x80
 #define MODE_FAST_FALL 0x40   /* the next edge is made out */
 #define MODE_STEADY_FALL 0x41 /* likewise, and the wait until then is known */
 #define MODE_LAST_FALL 0x42   /* of its piece: nothing is made out */
+#define MODE_NEXT_FALL 0x43   /* likewise, but the next block is in hand already */
 
 /* block.ramps */
 #define RAMP_NONE 0
@@ -112,11 +116,14 @@
 #define BEAT_MIND 12
 #define BEAT_PINS 13
 #define BEAT_REST 17 /* struct entry rest: clock lines at rest */
+#define BEAT_CONTROL_DUE 19
+#define BEAT_CONTROL_HIGH 20
+#define BEAT_CONTROL_EXTRA 21
 #define BEAT_SIZE 22
 
 /* From the compare match to the deadline: entry, an instruction, the longest lock, what is done
  * before the wait; less what the wait adds (wait_out: 16). */
-#define EARLY_CYCLES 38
+#define EARLY_CYCLES 42
 #define EARLY_SLOW_CYCLES 170 /* where C does it */
 /* No compare match is set closer than this: it might pass while it is being set. */
 #define NEAR_CYCLES 8

@@ -5,8 +5,7 @@
  * Rule 1: no receive interrupt: it would cost the steps up to 74 cycles of jitter. Whoever works
  *         for longer than two bytes take (1280 cycles at 250,000 baud) calls line_poll(), and the
  *         timer interrupt does.
- * Rule 2: line_poll() may run in the interrupt and in the main loop. The main loop does not lock
- *         for it: while it holds the line, an interrupt leaves the byte where it is.
+ * Rule 2: line_poll() may run in the interrupt and in the main loop; there it locks.
  */
 #ifndef LINE_H
 #define LINE_H
@@ -26,7 +25,6 @@
 
 struct line {
     uint8_t head, tail;
-    volatile bool is_held;
     uint8_t errors; /* damaged frames, framing errors and overruns */
     uint8_t bytes[LINE_RING];
 };
@@ -40,23 +38,22 @@ static inline bool line_has_byte(void)
     return UCSR0A & _BV(RXC0);
 }
 
-/* Take a byte from the UART if there is one. */
+/* Take a byte from the UART if there is one; locks for 25 cycles at most. */
 static inline void line_poll(void)
 {
-    if (!line_has_byte() || line.is_held)
+    if (!line_has_byte())
         return;
-    line.is_held = true;
-    __asm__ __volatile__("" ::: "memory");
-    uint8_t status = UCSR0A; /* again: an interrupt may have taken it */
+    uint8_t sreg = SREG, status;
+    cli();
+    status = UCSR0A; /* again: an interrupt may have taken it */
     if (status & _BV(RXC0)) {
         uint8_t head = line.head;
         line.bytes[head] = UDR0;
         line.head = (uint8_t)(head + 1) & (LINE_RING - 1);
-        if (status & (_BV(FE0) | _BV(DOR0)))
-            line.errors++;
     }
-    __asm__ __volatile__("" ::: "memory");
-    line.is_held = false;
+    SREG = sreg;
+    if (status & (_BV(FE0) | _BV(DOR0)))
+        line.errors++;
 }
 
 /* Bytes that came and were not looked at. */

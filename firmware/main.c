@@ -56,7 +56,7 @@ static void begin(void)
 }
 
 /* With so many bytes waiting, no record is looked at before some of them are taken. */
-#define MANY_BYTES 20
+#define MANY_BYTES 36
 
 /* What must have its turn more often than once in a loop. The next block goes before bytes, while
  * these are few: the motors wait for it, the host does not. */

@@ -6,16 +6,17 @@
 #include "beat.h"
 #include "inputs.h"
 #include "line.h"
+#include "makeout.h"
 #include "run.h"
 #include "throttle.h"
 
-#define FAR_CYCLES 0x7000U
-_Static_assert(FAR_CYCLES >> 8 == FAR_HIGH, "one limit for C and assembler");
 #define HOP_CYCLES 0x4000U
 #define HOP_SHIFT 14
 /* What must be chosen and made out outside the interrupt is at least so far ahead. */
 #define SOON_CYCLES 800
-#define MOST_BEATS 8
+/* Time begins so long after it is asked to: the first tick is chosen and made out until then. */
+#define START_CYCLES 2400
+
 /* From the look at the counter until a compare match that was found to be due later is set. */
 #define SET_CYCLES 100
 
@@ -35,11 +36,6 @@ static struct {
     ticks_t sums[MOTORS_MAX - 1];
     uint8_t phases[MOTORS_MAX];
 } hop;
-
-static bool is_phase_card(void)
-{
-    return card.facts.type == CARD_PHASES;
-}
 
 /* ---- when */
 
@@ -97,7 +93,7 @@ uint32_t player_last(void)
     return player.cycles;
 }
 
-/* ---- what */
+/* ---- a tick that is taken, and taken back */
 
 static void keep_state(void)
 {
@@ -115,58 +111,6 @@ static void restore_state(void)
         tracks.motor[i].phase = hop.phases[i];
 }
 
-/* Shares of the minors for so many beats. */
-static void set_shares(struct block *block, uint8_t beats)
-{
-    for (uint8_t i = 0; i < minors_of(block); i++) {
-        ticks_t add = block->steps[i];
-        for (uint8_t n = beats; n < MOST_BEATS; n <<= 1)
-            add <<= 1;
-        block->minor[i].add = add;
-    }
-}
-
-/* How the intervals of a block that moves go on; beats.S adds three bytes. */
-static uint8_t ramps_of(int32_t add_q8)
-{
-    const uint32_t most = (uint32_t)FAR_CYCLES << 7;
-    if ((uint32_t)add_q8 + most > 2 * most)
-        return RAMP_SLOW;
-    return add_q8 ? RAMP_FAST : RAMP_NONE;
-}
-
-/* Divide the tick in hand, a far one, into beats. */
-static void divide_far(uint32_t cycles)
-{
-    struct block *block = player.block;
-    uint8_t beats = 1;
-    uint32_t part = cycles >> 1;
-    if (minors_of(block) && card.facts.beat_cycles)
-        for (; beats < MOST_BEATS && part >= card.facts.beat_cycles; part >>= 1)
-            beats <<= 1;
-    if (beats != block->beats)
-        set_shares(block, beats);
-    block->beats = beats;
-    block->ramps = RAMP_SLOW;
-}
-
-/* The same for others, of whatever block: all in 16 bits. */
-static void divide(struct block *block, uint16_t cycles)
-{
-    uint16_t part = cycles;
-    uint8_t beats = 1;
-    while (part >= block->shortest && beats < MOST_BEATS) {
-        part >>= 1;
-        beats <<= 1;
-    }
-    block->beat_cycles = part;
-    if (beats != block->beats)
-        set_shares(block, beats);
-    block->beats = beats;
-    block->lag_cycles = (uint8_t)cycles & (beats - 1);
-    block->ramps = block->moving ? ramps_of(block->add_q8) : RAMP_SLOW;
-}
-
 /* The tick in hand has this interval. */
 static void take_tick(uint32_t cycles)
 {
@@ -174,76 +118,13 @@ static void take_tick(uint32_t cycles)
     if (cycles == player.cycles && block->beats && block->ramps == RAMP_NONE && !block->add_q8)
         ; /* as the one before */
     else if (cycles >= FAR_CYCLES)
-        divide_far(cycles);
+        divide_far(block, cycles);
     else
         divide(block, (uint16_t)cycles);
     block->lag_cycles = (uint8_t)cycles & (block->beats - 1);
     player.beats_left = block->beats;
     player.cycles = cycles;
     player.chosen_at = player.done;
-}
-
-/* The outputs of a block change with its first beat. */
-static void make_outputs_of(struct block *block)
-{
-    uint8_t mask = block->outputs >> 4, value = block->outputs & 0x0F;
-    block->outputs_due = false;
-    card.outputs = (uint8_t)((card.outputs & ~mask) | (value & mask));
-    uint8_t control = card_control_with(mask, value);
-    if (control == card.control)
-        return;
-    card_shadow_control(control);
-    beat.control_high = card.control_high;
-    beat.control_extra = (uint8_t)(CONTROL_EXTRA(control) | EXTRA_REST);
-    beat.control_due = true;
-}
-
-/* A minor axis in one beat: true when it steps. */
-static bool minor_steps(struct minor *minor, ticks_t limit)
-{
-    uint32_t sum = (uint32_t)minor->sum + minor->add;
-    bool steps = sum >> 24;
-    minor->sum = steps ? (ticks_t)sum - limit : (ticks_t)sum;
-    return steps;
-}
-
-static void add_movement(struct entry *entry, struct mover mover)
-{
-    struct motor *motor = &tracks.motor[(mover.at & 0x0F) >> 2];
-    uint8_t at = (uint8_t)(motor->phase + mover.delta);
-    if (at >= card.facts.table_length)
-        at = mover.delta > 0 ? 0 : card.facts.table_length - 1;
-    motor->phase = at;
-    entry->low = tracks.table[at] | motor->low;
-    entry->high = motor->high;
-    beat.mask |= motor->bit;
-}
-
-/* Make out the next beat in which something is to be done; how long until then. */
-static uint32_t prepare_phases(void)
-{
-    line_poll();
-    struct block *block = player.block;
-    struct entry *entry = beat.entry;
-    uint32_t wait = 0, beat_cycles = player.cycles;
-    uint8_t left = player.beats_left;
-    for (uint8_t n = block->beats; n > 1; n >>= 1)
-        beat_cycles >>= 1;
-    beat.mask = 0;
-    do {
-        wait += beat_cycles;
-        if (--left == 0) {
-            wait += block->lag_cycles;
-            if (block->moving)
-                add_movement(entry++, block->leader);
-        }
-        for (uint8_t i = 0; i < minors_of(block); i++)
-            if (minor_steps(&block->minor[i], block->limit))
-                add_movement(entry++, block->minor[i].mover);
-    } while (left && entry == beat.entry);
-    beat.end = (uint8_t)(uintptr_t)entry;
-    player.beats_left = left;
-    return wait;
 }
 
 /* The same for the first beat of a tick, or for one in between; and set the timer to it. */
@@ -254,28 +135,10 @@ static void go_to_beat(bool first)
     if (hop.may_choose)
         keep_state();
     if (block->outputs_due)
-        make_outputs_of(block);
-    uint32_t wait = prepare_phases();
-    bool usual = block->moving && !beat.control_due && player.cycles < FAR_CYCLES;
-    arm(usual ? MODE_PHASES : MODE_SLOW, wait);
-}
-
-static void prepare_clocks(void)
-{
-    struct block *block = player.block;
-    uint8_t edges = block->moving ? block->leader.at : 0;
-    for (uint8_t i = 0; i < minors_of(block); i++) {
-        struct minor *minor = &block->minor[i];
-        if (minor_steps(minor, block->limit))
-            edges |= minor->mover.at;
-    }
-    uint8_t data = card.data ^ edges;
-    beat.mask = edges;
-    beat.entry[0].low = DATA_LOW(data);
-    beat.entry[0].high = (uint8_t)(DATA_HIGH(data) | card.control_high);
-    beat.end = (uint8_t)(uintptr_t)&beat.entry[edges ? 1 : 0];
-    beat.rest.low = DATA_LOW(card.data);
-    beat.rest.high = (uint8_t)(DATA_HIGH(card.data) | card.control_high);
+        make_out_outputs(block);
+    uint32_t wait = make_out_phases();
+    bool usual = block->moving && player.cycles < FAR_CYCLES;
+    arm(!usual ? MODE_SLOW : beat.control_due ? MODE_CONTROL : MODE_PHASES, wait);
 }
 
 /* From the edge that comes to its fall. */
@@ -304,9 +167,9 @@ static void go_to_edge(uint32_t cycles)
     struct block *block = player.block;
     hop.may_choose = cycles >= FAR_CYCLES && !block->outputs_due;
     if (block->outputs_due)
-        make_outputs_of(block);
+        make_out_outputs(block);
     if (!player.is_made_out)
-        prepare_clocks();
+        make_out_clocks();
     player.is_made_out = false;
     beat.entry[0].high = (uint8_t)((beat.entry[0].high & DATA_HIGH_MASK) | card.control_high);
     beat.rest.high = (uint8_t)((beat.rest.high & DATA_HIGH_MASK) | card.control_high);
@@ -359,7 +222,6 @@ static bool begin_block(void)
         player.halt = records_waiting ? STARVED : AT_END;
         return false;
     }
-    throttle_settle_limits();
     struct block *block = &blocks[player.taken & 1];
     player.taken++;
     player.block = block;
@@ -411,24 +273,6 @@ static bool find_tick(uint32_t *cycles)
     return !WANT || throttle_choose(cycles, false);
 }
 
-void player_prepare_piece(const struct block *block, struct piece *piece)
-{
-    bool is_plain = block->moving && piece->interval_q8 < (uint32_t)FAR_CYCLES << 8;
-    piece->ramps = is_plain ? ramps_of(piece->add_q8) : RAMP_SLOW;
-}
-
-void player_prepare(struct block *block)
-{
-    if (minors_of(block) && card.facts.beat_cycles && card.facts.beat_cycles < 0x8000)
-        block->shortest = (uint16_t)(2 * card.facts.beat_cycles);
-    if (!block->moving || block->entry_cycles >= FAR_CYCLES) {
-        block->is_plain = false;
-        return;
-    }
-    divide(block, (uint16_t)block->entry_cycles);
-    block->is_plain &= !block->watch_pins && !block->outputs_due && block->exit_cycles;
-}
-
 /* Choose the next tick and make out its first writes; false: there is none. */
 static bool go_on(void)
 {
@@ -442,7 +286,7 @@ static bool go_on(void)
         go_to_beat(true);
     } else {
         if (!player.block->beats)
-            set_shares(player.block, 1);
+            share_out(player.block, 1);
         player.block->beats = 1;
         go_to_edge(cycles);
     }
@@ -474,14 +318,16 @@ static uint8_t or_stop(bool goes_on)
 }
 
 /* The tick is taken: its beats for beats.S to go on, or TIMER_SET. */
-static uint8_t hand_over(void)
+uint8_t player_hand_over(void)
 {
     struct block *block = player.block;
-    if (block->ramps == RAMP_SLOW || block->outputs_due) {
+    if (block->ramps == RAMP_SLOW) {
         go_to_beat(true);
         return TIMER_SET;
     }
-    set_mode(MODE_PHASES);
+    if (block->outputs_due)
+        make_out_outputs(block);
+    set_mode(beat.control_due ? MODE_CONTROL : MODE_PHASES);
     return block->beats;
 }
 
@@ -494,7 +340,7 @@ static uint8_t take_next(void)
         return or_stop(false);
     line_poll();
     take_tick(cycles);
-    return hand_over();
+    return player_hand_over();
 }
 
 /* A tick of a phase card was played and counted, and the next is no usual one. */
@@ -517,7 +363,7 @@ uint8_t player_tick_chosen(void)
 {
     player.last_cycles = player.cycles;
     take_tick(player.block->interval_q8 >> 8);
-    return hand_over();
+    return player_hand_over();
 }
 
 /* Outputs change, at the cycle. */
@@ -695,7 +541,7 @@ void player_start(void)
     player.cycles = 0;
     player.from_rest = !player.block;
     cli();
-    player.due = TCNT1 + SOON_CYCLES;
+    player.due = TCNT1 + START_CYCLES;
     sei();
     if (go_on())
         set_timer();

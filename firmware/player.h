@@ -15,7 +15,10 @@
  *         beat of the tick was played, its interval is chosen anew.
  * Rule 5: a write that comes late by more than a quarter of its interval (a minor axis alone: half)
  *         is counted, and moves all that follows: no more is ever caught up by a shorter interval.
- * Rule 6: what the main loop owes (a piece, a block) and has not ready is waited for with the timer
+ * Rule 6: a block that is plain, after motion and with nothing on anybody's mind, is gone over to in
+ *         beats.S (player.next); any other is taken in hand by begin_block, in the time of a beat or
+ *         two of a fast one.
+ * Rule 7: what the main loop owes (a piece, a block) and has not ready is waited for with the timer
  *         stopped: `starved`.
  */
 #ifndef PLAYER_H
@@ -47,6 +50,7 @@ struct player {
     uint16_t late;        /* with IS_LATE: by how much */
     uint8_t patience;     /* beats until the main loop gets a turn in any case */
     uint16_t late_ticks;
+    uint8_t early;        /* by which the compare match comes before the deadline */
 
     uint32_t plan_cycles; /* clock lines: the interval as chosen */
     uint32_t fall_cycles; /* from the edge to the fall */
@@ -54,7 +58,6 @@ struct player {
     bool is_made_out;     /* clock lines: motors of the next edge are known already */
     uint16_t wait_cycles; /* clock lines: from the fall to the next edge, if it is steady */
 
-    uint8_t early;        /* by which the compare match comes before the deadline */
     uint8_t after_hops;   /* mode of the interrupt that is waited for */
     bool from_rest;       /* the next block is the first of a run */
     volatile uint8_t halt;
@@ -70,10 +73,6 @@ void player_cut(void);
 void player_continue(void);
 /* The motors stand: nothing is known of the last interval any more. */
 void player_rest(void);
-/* First piece known: what can be worked out ahead of the block's first tick. Main loop. */
-void player_prepare(struct block *block);
-/* The same for a later piece of it. */
-void player_prepare_piece(const struct block *block, struct piece *piece);
 /* What the tick played last took; 0 at rest. */
 uint32_t player_last(void);
 /* The block in hand is given up. */

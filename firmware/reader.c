@@ -9,6 +9,7 @@
 #include "card.h"
 #include "inputs.h"
 #include "line.h"
+#include "makeout.h"
 #include "player.h"
 #include "run.h"
 #include "throttle.h"
@@ -414,7 +415,7 @@ static void finish_block(struct block *block)
         block->top_cycles = block->entry_cycles;
     if (block->override_q8 > throttle.override_q8)
         throttle_prepare(block);
-    player_prepare(block);
+    make_out_ahead(block);
     block_is_ready();
 }
 
@@ -439,6 +440,8 @@ static void read_piece(void)
             block->ticks = reading.ticks;
         reading.exit_cycles = block->moving ? (reading.goes_on_q8 - (uint32_t)add_q8) >> 8 : 0;
     }
+    if (ticks == 1 && card.facts.type == CARD_PHASES)
+        add_q8 = 0; /* it is never added */
     bool was_ramp = reading.is_ramp;
     reading.is_ramp = add_q8 != 0;
     bool turns_boost = card.facts.type == CARD_CLOCKS && reading.is_ramp != was_ramp;
@@ -448,7 +451,7 @@ static void read_piece(void)
         piece->interval_q8 = interval_q8;
         piece->add_q8 = add_q8;
         piece->last = is_last;
-        player_prepare_piece(block, piece);
+        make_out_piece_ahead(block, piece);
         if (turns_boost)
             piece->ramps = RAMP_SLOW;
         piece_head = (uint8_t)(piece_head + 1) & (PIECES - 1);

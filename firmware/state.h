@@ -26,7 +26,7 @@ typedef __uint24 ticks_t; /* also eighths of ticks: 2^21 - 1 ticks in a block at
 #define RATE_CYCLES 4096000000UL /* rate_q8 times interval in cycles */
 #define SLICE_CYCLES 16000
 #define LATENCY_CYCLES 4096
-#define CRITICAL_CYCLES 18
+#define CRITICAL_CYCLES 26
 
 /* Wishes and conditions because of which an interval is not simply the plan's. */
 #define WANT GPIOR0
@@ -82,6 +82,7 @@ struct block {
     uint8_t lag_cycles;   /* by which the last beat is longer */
     uint16_t shortest;    /* interval from which on a tick is divided; 0xFFFF: never */
     uint16_t serial;
+    bool outputs_due; /* still to be made */
     uint32_t entry_cycles; /* first interval of the plan; 0: no piece */
     uint8_t moving; /* motors, a bit each; 0: a dwell */
     ticks_t steps[MOTORS_MAX - 1]; /* of the minors */
@@ -90,7 +91,6 @@ struct block {
     uint8_t forward; /* motors, a bit each */
     uint8_t flags;
     uint8_t data; /* clock and direction: data byte with clocks at rest */
-    bool outputs_due; /* still to be made */
     uint8_t outputs;  /* mask << 4 | value */
     uint8_t watch_pins, watch_value, watch_action; /* pins 0: none */
     uint16_t override_q8;

@@ -206,7 +206,7 @@ def compare(
     core: Sequence[Write],
     device: Sequence[Write],
     late_cycles: int = 0,
-    slack_cycles: int = 400,
+    slack_cycles: int = 500,
 ) -> None:
     """The same writes in the same order, every beat at the same cycle.
 

@@ -24,6 +24,10 @@ from tests.bridge.device import MS, Device
 _SILENCE_CYCLES = 30 * MS
 _SLICE_CYCLES = 4_000
 _ASK_CYCLES = 10 * MS
+#: As the protocol advises: fewer bytes are on the way after any had to be sent again.
+_LEAST_WINDOW = 30
+_WINDOW_STEP = 4
+_AROUND = 8
 
 
 def records(blocks: Iterable[Block]) -> Iterator[bytes]:
@@ -67,6 +71,7 @@ class Stream:
         self._dry = False
         self._chance = random.Random(5)
         self._acknowledged_at = self.device.avr.cycle
+        self._window = c.WINDOW
         self._gap_at = (0, 0)
         self._asked_at = 0
 
@@ -134,12 +139,14 @@ class Stream:
         while self._unacknowledged and (ack.next_seq - self._unacknowledged[0][0] - 1) & 0xFF < 128:
             self._unacknowledged.popleft()
             self._acknowledged_at = now
+            self._window = min(c.WINDOW, self._window + _WINDOW_STEP)
         if not self._unacknowledged:
             self._acknowledged_at = now
         gap = ack.gap and (self._gap_at[0] != ack.next_seq or now - self._gap_at[1] > 10 * MS)
         if self._unacknowledged and (gap or now - self._acknowledged_at > _SILENCE_CYCLES):
             self._gap_at = (ack.next_seq, now)
             self._acknowledged_at = now
+            self._window = max(_LEAST_WINDOW, self._window // 2)
             for _, data, _ in self._unacknowledged:
                 self.resent += 1
                 self._onto_the_line(data)
@@ -152,11 +159,13 @@ class Stream:
                 more = next(self._source, None)
                 self._dry = more is None
                 self._waiting += more or b""
-            part = bytes(self._waiting[: c.PAYLOAD_MAX - 1])
+            size = min(c.PAYLOAD_MAX - 1, self._window - _AROUND)
+            part = bytes(self._waiting[:size])
             if not part or len(part) > free:
                 return
             data = frame(c.KIND_BLOCKS, self.device.sequence, b"\0" + part)
-            if sum(len(d) for _, d, _ in self._unacknowledged) + len(data) > c.WINDOW:
+            flying = sum(len(d) for _, d, _ in self._unacknowledged)
+            if flying and flying + len(data) > self._window:
                 return
             self._post(c.KIND_BLOCKS, b"\0" + part, len(part))
             free -= len(part)

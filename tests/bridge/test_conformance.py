@@ -19,7 +19,7 @@ _SLOW = settings(
 pytestmark = pytest.mark.skipif(bool(reason_to_skip()), reason=reason_to_skip())
 
 #: Below this a block is over before the next one can be decoded.
-_SHORTEST_BLOCK_CYCLES = 9_000
+_SHORTEST_BLOCK_CYCLES = 6_000
 #: A start/stop rate that no block exceeds: the throttle stays open.
 _ANY_RATE = 255 << 16
 
@@ -82,10 +82,16 @@ def moves(draw: st.DrawFn, given: Range) -> Block:
     )
 
 
+def _seconds(given: Range) -> st.SearchStrategy[float]:
+    """A wait none of whose ticks, of 10 ms and a rest, is a short one."""
+    shortest_s = given.dwell_s[0]
+    return st.floats(*given.dwell_s).filter(lambda s: s % 0.01 >= shortest_s)
+
+
 @st.composite
 def queues(draw: st.DrawFn, given: Range) -> list[Block]:
     """Blocks that fit into the ring together, dwells among them; the last one ends at rest."""
-    waits = st.builds(dwell, st.just(given.motors), st.floats(*given.dwell_s))
+    waits = st.builds(dwell, st.just(given.motors), _seconds(given))
     blocks = draw(st.lists(st.one_of(moves(given), moves(given), waits), min_size=1, max_size=8))
     return [*blocks[:-1], blocks[-1]._replace(ends_at_rest=True)]
 
@@ -115,12 +121,12 @@ def play_both(kind: Kind, blocks: list[Block], exact: bool = True) -> None:
         assert status.late_ticks <= sum(len(block.pieces) for block in blocks)
 
 
-EXACT_PHASES = Range(3, 9_000)
+EXACT_PHASES = Range(3, 4_500)
 EXACT_THROTTLED = Range(3, 12_000, throttled=True)
 FAST_PHASES = Range(3, 1_300, least_ticks=8)
 #: Clock lines fall half an interval after an edge; after a long one little is left for a short one.
-EXACT_CLOCKS = Range(4, 10_000, spread=1.2, dwell_s=(0.0007, 0.0008))
-SLOW_CLOCKS = Range(4, 11_000, spread=1.2, dwell_s=(0.0007, 0.0008))
+EXACT_CLOCKS = Range(4, 9_000, spread=1.2, dwell_s=(0.0007, 0.0008))
+SLOW_CLOCKS = Range(4, 9_000, spread=1.2, dwell_s=(0.0007, 0.0008))
 
 
 @_SLOW

@@ -218,17 +218,17 @@ class TestStepDriverContract:
     def test_outputs_change_at_the_first_tick_of_their_block(self, rig: Rig) -> None:
         rig.driver.set_outputs(0b01, 0b01)
         assert rig.bench.outputs_on() == {0}
-        rig.driver.push(steady(3, rate_hz=100))
-        rig.driver.push(steady(30, rate_hz=100, outputs=Outputs(0b11, 0b10)))
+        # A report may be some milliseconds old when it arrives: less than one of these ticks.
+        rig.driver.push(steady(3, rate_hz=20))
+        rig.driver.push(steady(30, rate_hz=20, outputs=Outputs(0b11, 0b10)))
         steps, seen_late = 0, False
         while not seen_late:
             before, outputs = steps, rig.bench.outputs_on()
             report = rig.driver.poll(0.001)
             steps = report.position_steps[0]
-            # The look was between the two reports.
-            if steps <= 3:
-                assert outputs == {0}
-            elif before > 3:
+            # The look was after one report, and before the other one came.
+            assert outputs == {0} or steps >= 3
+            if before > 3:
                 assert outputs == {1}
                 seen_late = True
             assert report.running or seen_late
