@@ -12,6 +12,7 @@
 
 #define CYCLES_PER_MS 16000UL
 #define MARK_CYCLES (4 * CYCLES_PER_MS)
+#define LONGEST_SINCE_FALL 0xF000
 
 struct run run;
 static uint32_t settled_at;
@@ -40,7 +41,13 @@ void run_set_up(const struct block *block)
         return;
     card.data = block->data;
     card_write_data(card.data);
-    uint32_t ready = player.fall_cycles + card.facts.setup_cycles;
+    if (!card.facts.setup_cycles)
+        return;
+    /* The lines fell some time ago; a run begins some time from now. */
+    uint16_t since_fall = TCNT1 - player.due;
+    if (since_fall > LONGEST_SINCE_FALL)
+        since_fall = 0;
+    uint32_t ready = player.fall_cycles + since_fall + card.facts.setup_cycles;
     if (player.not_before < ready)
         player.not_before = ready;
 }

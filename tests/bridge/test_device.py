@@ -1,6 +1,7 @@
 """What the firmware does on its own, and what it refuses."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 
@@ -9,11 +10,13 @@ from fraese.motor.bridge import constants as c
 from fraese.motor.bridge.codec import frame, hello
 from fraese.motor.phases import MOTRUN
 from tests.bridge.device import MS, SESSION, Device, reason_to_skip
-from tests.bridge.peers import PHASES, device_for, device_writes, open_inputs
+from tests.bridge.peers import PHASES, clock_kind, device_for, device_writes, open_inputs
 
 pytestmark = pytest.mark.skipif(bool(reason_to_skip()), reason=reason_to_skip())
 
 LINE = Block((400, 0, 0), (Piece(400, 8000 * 256),), 240 << 4, 128 << 11, ends_at_rest=True)
+#: The direction lines of clock and direction, all motors.
+DIRECTIONS = 0x55
 OFF = [0x1B, 0x5B, 0x9B]
 
 
@@ -149,3 +152,26 @@ def test_a_brake_at_standstill_holds_what_comes_next() -> None:
     assert status.brakes == 1
     assert device.command(c.KIND_RESUME) == 0
     assert device.stand_still().ended == c.ENDED_TARGET
+
+
+@pytest.mark.parametrize("interval", [800, 1200, 2000, 4000, 9000, 30_000])
+def test_direction_lines_are_steady_for_their_time_before_the_next_edge(interval: int) -> None:
+    """On the pins, from the byte that turns them: not from when that byte was due."""
+    kind = clock_kind("x4step")
+    device = device_for(kind)
+    law = (Piece(20, interval * 256),)
+    turns = [(20 * sign, 7 * sign, -20 * sign, 0) for sign in (1, -1) * 6]
+    device.push(
+        [Block(steps, law, 1000, 255 << 16, weight=1, ends_at_rest=True) for steps in turns]
+    )
+    device.start()
+    device.stand_still()
+    data = [w for w in device_writes(device) if w.register == 0]
+    turned, steady_cycles = data[0].cycle, []
+    for before, after in pairwise(data):
+        if (before.value ^ after.value) & DIRECTIONS:
+            turned = after.cycle
+        elif after.value & ~before.value:
+            steady_cycles.append(after.cycle - turned)
+    assert len(steady_cycles) == 20 * len(turns)
+    assert min(steady_cycles) >= kind.facts.setup_cycles
