@@ -202,11 +202,15 @@ def _is_second_half(first: Write, second: Write) -> bool:
     return first.register == second.register == CONTROL and second.cycle - first.cycle <= 1
 
 
+#: How long the writes of a beat of three motors may take.
+BEAT_CYCLES: Final = 500
+
+
 def compare(
     core: Sequence[Write],
     device: Sequence[Write],
     late_cycles: int = 0,
-    slack_cycles: int = 500,
+    slack_cycles: int = BEAT_CYCLES,
 ) -> None:
     """The same writes in the same order, every beat at the same cycle.
 
