@@ -136,7 +136,10 @@ class SerialLine:
     def _gone(self, error: Exception) -> PortError:
         if not self._port.is_open:
             return PortError(f"{self._device} is used after it was given back.")
-        return PortError(f"{self._device} is gone ({_reason(error)}): is the plug still in?")
+        number = getattr(error, "errno", None)
+        # Without a number it is pyserial's guess, in words that help nobody.
+        why = f" ({os.strerror(number)})" if number else ""
+        return PortError(f"{self._device} is gone{why}: is the plug still in?")
 
 
 def _keep_others_out(port: serial.Serial, wanted: bool) -> None:
