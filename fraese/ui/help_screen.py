@@ -15,7 +15,8 @@ _NOTES = (
     "At half-step width the original's repeat rule holds: presses 1 to 20 of the same key count"
     " single, from the 21st on ten-fold; only another key resets it.",
     "Nothing here is an emergency stop: that is a switch which cuts the power.",
-    "Inside tmux or screen Escape may arrive late (tmux: set escape-time 0); Ctrl+C never does.",
+    "Escape takes a tenth of a second, since longer keys begin like it; inside tmux or screen more"
+    " (tmux: set escape-time 0). Ctrl+C takes none.",
 )
 
 
