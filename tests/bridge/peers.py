@@ -11,6 +11,7 @@ Rule 2: registers, values and order are equal for the whole life of a run. The f
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Final, NamedTuple
 
 from fraese.blocks import Block
@@ -31,6 +32,8 @@ from tests.bridge.device import Device
 #: All inputs open: pin 11 low reads as 1 in bit 7.
 OPEN: Final = 0xF8
 SETTLE_CYCLES: Final = 16_000
+#: The direction lines of clock and direction, all motors.
+DIRECTIONS: Final = 0x55
 
 
 class Write(NamedTuple):
@@ -200,6 +203,18 @@ def _is_echo(writes: Sequence[Write], control: Write) -> bool:
 def _is_second_half(first: Write, second: Write) -> bool:
     """Control lines are on two ports of the board, written one right after the other."""
     return first.register == second.register == CONTROL and second.cycle - first.cycle <= 1
+
+
+def steady_cycles(writes: Sequence[Write]) -> list[int]:
+    """For every rising clock, how long the direction lines had not turned; on the pins."""
+    data = [w for w in writes if w.register == DATA]
+    turned, found = data[0].cycle, []
+    for before, after in pairwise(data):
+        if (before.value ^ after.value) & DIRECTIONS:
+            turned = after.cycle
+        elif after.value & ~before.value:
+            found.append(after.cycle - turned)
+    return found
 
 
 #: How long the writes of a beat of three motors may take.

@@ -1,7 +1,6 @@
 """What the firmware does on its own, and what it refuses."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import pytest
 
@@ -10,13 +9,18 @@ from fraese.motor.bridge import constants as c
 from fraese.motor.bridge.codec import frame, hello
 from fraese.motor.phases import MOTRUN
 from tests.bridge.device import MS, SESSION, Device, reason_to_skip
-from tests.bridge.peers import PHASES, clock_kind, device_for, device_writes, open_inputs
+from tests.bridge.peers import (
+    PHASES,
+    clock_kind,
+    device_for,
+    device_writes,
+    open_inputs,
+    steady_cycles,
+)
 
 pytestmark = pytest.mark.skipif(bool(reason_to_skip()), reason=reason_to_skip())
 
 LINE = Block((400, 0, 0), (Piece(400, 8000 * 256),), 240 << 4, 128 << 11, ends_at_rest=True)
-#: The direction lines of clock and direction, all motors.
-DIRECTIONS = 0x55
 OFF = [0x1B, 0x5B, 0x9B]
 
 
@@ -166,12 +170,6 @@ def test_direction_lines_are_steady_for_their_time_before_the_next_edge(interval
     )
     device.start()
     device.stand_still()
-    data = [w for w in device_writes(device) if w.register == 0]
-    turned, steady_cycles = data[0].cycle, []
-    for before, after in pairwise(data):
-        if (before.value ^ after.value) & DIRECTIONS:
-            turned = after.cycle
-        elif after.value & ~before.value:
-            steady_cycles.append(after.cycle - turned)
-    assert len(steady_cycles) == 20 * len(turns)
-    assert min(steady_cycles) >= kind.facts.setup_cycles
+    steady = steady_cycles(device_writes(device))
+    assert len(steady) == 20 * len(turns)
+    assert min(steady) >= kind.facts.setup_cycles

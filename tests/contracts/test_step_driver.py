@@ -55,7 +55,7 @@ def core_on(wiring: str) -> Rig:
 
 def child_on(wiring: str) -> Rig:
     bench = ChildBench(wiring, capacity=CAPACITY, safe_outputs=0b10)
-    return Rig(bench.driver, bench, slack_s=0.3)
+    return Rig(bench.driver, bench, slack_s=0.05)
 
 
 def bridge_on(wiring: str) -> Rig:

@@ -27,6 +27,7 @@ from fraese.ui.fact import Fact
 _PATIENCE_S = 60.0
 #: X is so long that no move on it ends by itself while a test is still pressing keys.
 _LONG_MM = 30_000
+LONG_MOVE_MM = 0.8 * _LONG_MM
 LONG = Config.model_validate({"axes": {"x": {"travel_mm": _LONG_MM}}})
 
 
@@ -107,7 +108,7 @@ class Bench:
         await self.wait(lambda: not self.app.busy and self.app.machine_state == controller.state())
         await self.pilot.pause()
 
-    async def long_move(self, mm: float = 0.8 * _LONG_MM) -> None:
+    async def long_move(self, mm: float = LONG_MOVE_MM) -> None:
         """X sets out on a way of twenty minutes, or a shorter one, and has reached its speed."""
         self.app.order(lambda: self.plant.controller.move_to({"x": mm}))
         await self.wait(lambda: self.plant.controller.state().speed_mm_min > 1100)

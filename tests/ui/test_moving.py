@@ -7,7 +7,7 @@ from fraese.config import Config
 from fraese.state import Status
 from fraese.ui.dialogs import GoToDialog, ReferenceDialog
 from fraese.ui.help_screen import HelpScreen
-from tests.ui.helpers import FakeProgram, bench, play
+from tests.ui.helpers import LONG_MOVE_MM, FakeProgram, bench, play
 
 
 @pytest.mark.parametrize(
@@ -170,7 +170,7 @@ def test_stop_works_while_an_input_has_the_focus() -> None:
             await b.wait(lambda: not b.app.busy)
             await b.pilot.pause(0.1)
             assert isinstance(b.app.screen, GoToDialog), "the first press stops, no more"
-            assert b.moved_steps[0] > 0
+            assert 0 < b.moved_steps[0] < LONG_MOVE_MM * 200
             assert b.mill.look().lost_steps == (0, 0, 0)
             assert "Cancelled" in b.text("#message")
             await b.press("escape")
@@ -244,6 +244,7 @@ def test_hold_and_stop_count_for_one_job_only() -> None:
             await b.settled()
             assert not controller.holding
             assert b.mill.look().lost_steps == (0, 0, 0)
+            assert "Cancelled" in b.text("#message")
             assert "without ramp" not in b.text("#message")
 
     play(scene)
