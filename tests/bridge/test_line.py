@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -66,3 +67,10 @@ def test_a_port_that_is_gone_can_be_closed() -> None:
     with pytest.raises(PortError, match=r"is gone( \(.*\))?: is the plug still in\?"):
         line.read(0.01)
     line.close()
+
+
+def test_a_file_that_is_no_serial_port_is_said(tmp_path: Path) -> None:
+    path = tmp_path / "notes"
+    path.touch()
+    with pytest.raises(PortError, match=f"^{path} is no serial port: correct port.device"):
+        SerialLine(str(path), 250_000)

@@ -213,6 +213,9 @@ def _refusal(device: str, baud: int, error: Exception) -> str:
         return f"{device} is in use by another program: close that one first."
     if isinstance(error, ValueError):
         return f"{device} cannot be opened at {baud} baud: correct port.baud."
+    # pyserial gives no number when the file has no line to be set up.
+    if number is None and "configure" in str(error):
+        return f"{device} is no serial port: correct port.device (see fraese ports)."
     return f"{device} cannot be opened: {_reason(error)}."
 
 
