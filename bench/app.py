@@ -36,12 +36,13 @@ def child() -> None:
     """The app, with a port that tells the time of every write to the data register."""
     from unittest.mock import patch
 
-    from fraese import assembly, drivers
+    from fraese.assembly import drivers
+    from fraese.assembly import plant as plant_module
+    from fraese.assembly.simulation import simulated_mill
     from fraese.config import Config
     from fraese.machine import Machine
     from fraese.motor.ports.sim import SimulatedMill
     from fraese.motor.seams import Clock
-    from fraese.simulation import simulated_mill
     from fraese.ui import FraeseApp
     from fraese.ui.programs import Program
 
@@ -61,7 +62,7 @@ def child() -> None:
 
     simulation = simulated_mill
     with patch.object(drivers, "simulated_mill", telling):
-        plant = assembly.assemble(Config(), clock="paced")
+        plant = plant_module.assemble(Config(), clock="paced")
     FraeseApp(plant.controller, open_program=no_program).run()
 
 

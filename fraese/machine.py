@@ -11,7 +11,8 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-from fraese.config import AXIS_NAMES, AxisConfig, Config
+from fraese.config import Config
+from fraese.config.axes import AXIS_NAMES, AxisConfig
 
 Steps = tuple[int, ...]
 Millimetres = tuple[float, ...]

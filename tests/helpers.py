@@ -11,14 +11,14 @@ from typing import Any
 
 from fraese.assembly import Plant, assemble
 from fraese.config import Config
-from fraese.configfile import from_table
-from fraese.controller import Controller
-from fraese.journal import STATE_FILE
+from fraese.config.file import from_table
+from fraese.control.controller import Controller
+from fraese.control.savedstate import STATE_FILE
+from fraese.control.state import Status
 from fraese.motor.ports.recorder import Recorder
 from fraese.motor.ports.sim import Sight, SimulatedMill
 from fraese.motor.seams import End
 from fraese.program import Program, open_program
-from fraese.state import Status
 
 AXES = "xyz"
 #: Built-in travel in steps, from switch to switch.
@@ -99,7 +99,7 @@ def homed(**sections: Any) -> Plant:
             made.save()
             _REFERENCED[key] = kept.read_text("utf-8")
         kept.write_text(_REFERENCED[key], "utf-8")
-        return replace(assemble(config, state=Path(folder)), journal=None)
+        return replace(assemble(config, state=Path(folder)), state_file=None)
 
 
 def after_slices(controller: Controller, number: int, *actions: Callable[[], object]) -> list[int]:

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from fraese.assembly import Plant, assemble
+from fraese.control.state import Status
 from fraese.errors import ConfigError, LimitError
 from fraese.log import LogFile, write
-from fraese.state import Status
 
 from .helpers import configured, program, run_program
 

@@ -11,9 +11,9 @@ import time
 from pathlib import Path
 from unittest.mock import patch
 
-from fraese import assembly
-from fraese.configfile import from_table
-from fraese.drivers import Made, Order, realtime_options
+from fraese.assembly import plant as plant_module
+from fraese.assembly.drivers import Made, Order, realtime_options
+from fraese.config.file import from_table
 from fraese.motor.clock import MonotonicClock
 from fraese.motor.ports.null import NullPort
 from fraese.motor.realtime.driver import RealtimeDriver
@@ -72,8 +72,8 @@ def main(folder: Path) -> None:
     """The app, with the program open."""
     path = folder / "part.ngc"
     path.write_text(PROGRAM)
-    with patch.object(assembly, "DRIVERS", {"ppdev": _measured}):
-        plant = assembly.assemble(from_table(CONFIG, "bench"), clock="paced")
+    with patch.object(plant_module, "DRIVERS", {"ppdev": _measured}):
+        plant = plant_module.assemble(from_table(CONFIG, "bench"), clock="paced")
     FraeseApp(plant.controller, open_program=open_program, program=path).run()
 
 

@@ -12,11 +12,12 @@ from typing import Annotated, Final, NamedTuple
 
 import typer
 
-from fraese import configfile as configuration
+from fraese.assembly.cards import CARDS
 from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece, accel_q_from_hz_s, rate_q8_from_hz
-from fraese.cardmaker import CARDS
 from fraese.cli.shared import ConfigOption, JsonOption, leave
-from fraese.config import AXIS_NAMES, Config
+from fraese.config import Config
+from fraese.config import file as configuration
+from fraese.config.axes import AXIS_NAMES
 from fraese.errors import PortError
 from fraese.motor.bridge.codec import Hello, frame
 from fraese.motor.bridge.constants import KIND_PING
@@ -26,7 +27,7 @@ from fraese.motor.bridge.session import greeting
 from fraese.motor.bridge.stepwise import finish
 from fraese.motor.bridge.trial import round_trips_s
 from fraese.motor.clock import MonotonicClock
-from fraese.motor.ports.facts import STATUS_PINS
+from fraese.motor.pins import STATUS_PINS, levels
 from fraese.motor.seams import IdleLevel
 
 app = typer.Typer()
@@ -197,8 +198,7 @@ def _damage(driver: BridgeDriver) -> Check:
 def _inputs(driver: BridgeDriver) -> Check:
     register = driver.poll(0).inputs
     pins = ", ".join(
-        f"{pin} {'high' if bool(register & bit) != inverted else 'low'}"
-        for pin, (bit, inverted) in STATUS_PINS.items()
+        f"{pin} {'high' if high else 'low'}" for pin, high in levels(register, STATUS_PINS).items()
     )
     return Check("inputs", True, f"register {register:02X}; pins {pins}")
 

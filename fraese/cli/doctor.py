@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from fraese import configfile as configuration
 from fraese.cli.histogram import histogram
+from fraese.cli.session import note
 from fraese.cli.shared import ConfigOption, JsonOption, leave
+from fraese.config import file as configuration
 from fraese.errors import UsageError
-from fraese.headless import note
 
 if TYPE_CHECKING:
     from fraese.doctor import Diagnosis

@@ -6,18 +6,18 @@ from pathlib import Path
 
 import typer
 
-from fraese import configfile as configuration
 from fraese.assembly import assemble
+from fraese.cli.session import note
 from fraese.cli.shared import ConfigOption, FileArgument, StartingPlace, leave, with_options
-from fraese.config import AXIS_NAMES
-from fraese.context import ProgramContext
+from fraese.config import file as configuration
+from fraese.config.axes import AXIS_NAMES
 from fraese.errors import UsageError
-from fraese.examine import Facts, examine
 from fraese.gcode.jsonl import as_dict
-from fraese.headless import note
 from fraese.machine import Machine
 from fraese.program import open_program
-from fraese.sources import ProgramSource
+from fraese.program.check import Facts, check_program
+from fraese.program.context import ProgramContext
+from fraese.program.source import ProgramSource
 
 app = typer.Typer()
 config_app = typer.Typer(help="Look at the configuration.", no_args_is_help=True)
@@ -38,7 +38,7 @@ def check(
 
     def go() -> int:
         plant = on.plant(at_desk=True)
-        facts = examine(file, plant.controller.program_context())
+        facts = check_program(file, ProgramContext.of(plant.controller))
         plant.controller.close()
         if on.as_json:
             print(json.dumps(_facts_as_dict(facts)))

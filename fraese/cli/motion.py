@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from fraese.axiswords import axes_named, axis_words
+from fraese.cli.session import note, watch_switches
 from fraese.cli.shared import (
     VALUES,
     Drive,
@@ -14,12 +16,11 @@ from fraese.cli.shared import (
     leave,
     with_options,
 )
-from fraese.config import AXIS_NAMES
-from fraese.controller import Controller
+from fraese.config.axes import AXIS_NAMES
+from fraese.control.controller import Controller
 from fraese.errors import Cancelled, UsageError
-from fraese.headless import note, watch_switches
 from fraese.program import open_program
-from fraese.words import axes_named, axis_words
+from fraese.program.context import ProgramContext
 
 FeedOption = Annotated[
     float | None,
@@ -50,7 +51,7 @@ def run(
         facts = None if stream else program.check(controller, plan=sys.stderr.isatty())
         if from_line > 1:
             _announce(program.way_from(controller, from_line), yes)
-        context = controller.program_context()
+        context = ProgramContext.of(controller)
         program.start(controller, facts, from_line=from_line)
         if not all(context.referenced):
             percent = context.config.run.unreferenced_percent

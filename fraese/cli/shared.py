@@ -23,12 +23,12 @@ from typing import Annotated, Any, Final, get_type_hints
 
 import typer
 
-from fraese import configfile as configuration
 from fraese.assembly import Plant, assemble, state_folder
-from fraese.controller import Controller
-from fraese.drivers import ClockName
+from fraese.assembly.drivers import ClockName
+from fraese.cli.session import Session, note, refuse
+from fraese.config import file as configuration
+from fraese.control.controller import Controller
 from fraese.errors import Cancelled, FraeseError
-from fraese.headless import Session, note, refuse
 from fraese.log import write
 
 ConfigOption = Annotated[

@@ -7,60 +7,26 @@ Rule 2: how far it came is kept. What fails is told in the bridge's own sentence
 """
 
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from enum import IntEnum
+from dataclasses import replace
 from pathlib import Path
 
 from fraese.blocks import Q8
 from fraese.config import Config
-from fraese.doctor.opening import Opening
-from fraese.endswitches import contact_bits
+from fraese.control.endswitches import contact_bits
+from fraese.doctor.opening import Board, Opening, Stage
 from fraese.errors import PortError
-from fraese.motor.bridge.codec import Hello
 from fraese.motor.bridge.connection import Connection
 from fraese.motor.bridge.fromcard import card_facts
 from fraese.motor.bridge.greeting import PATIENCE_S
 from fraese.motor.bridge.line import OpenLine, SerialLine, only_candidate, serial_ports
 from fraese.motor.bridge.session import greeting
 from fraese.motor.bridge.stepwise import finish
-from fraese.motor.bridge.trial import Carried, carry, round_trips_s
-from fraese.motor.bridge.usb import SerialFacts, serial_facts
+from fraese.motor.bridge.trial import carry, round_trips_s
+from fraese.motor.bridge.usb import serial_facts
 from fraese.motor.clock import MonotonicClock
 from fraese.motor.ports.facts import lines_of
 from fraese.motor.seams import Card, SwitchMode
 from fraese.motor.switches import SwitchInput
-
-
-class Stage(IntEnum):
-    """How far it came."""
-
-    NOWHERE = 0
-    FOUND = 1
-    OPENED = 2
-    GREETED = 3
-    TOLD = 4
-    TRIED = 5
-
-
-@dataclass(frozen=True, slots=True)
-class Board:
-    """What was seen of it.
-
-    Attributes:
-        stage: how far it came.
-        serial: its port from outside; None: it is not known which.
-        baud: rate that was spoken.
-        hello: what the device said of itself; None: it was not greeted.
-        trips_s: how long each of some answers took, s.
-        carried: what became of some frames; None: none were sent.
-    """
-
-    stage: Stage = Stage.NOWHERE
-    serial: SerialFacts | None = None
-    baud: int = 0
-    hello: Hello | None = None
-    trips_s: tuple[float, ...] = ()
-    carried: Carried | None = None
 
 
 def try_board(config: Config, card: Card, root: Path = Path("/")) -> Opening:

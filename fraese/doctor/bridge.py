@@ -10,8 +10,8 @@ import statistics
 from collections.abc import Sequence
 from typing import Final
 
-from fraese.doctor.board import Board, Stage
 from fraese.doctor.findings import Check, Finding, Patient, State
+from fraese.doctor.opening import Board, Stage
 
 #: An answer takes 3 ms at 250,000 baud; a brake is confirmed no sooner.
 _SLOW_S: Final = 0.01

@@ -1,18 +1,44 @@
-"""The configured port, really opened once, and left as a standing machine leaves it."""
+"""What came of opening the configured port, or the bridge, once."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from enum import IntEnum
 
-from fraese.errors import PortError
-from fraese.motor.clock import MonotonicClock
-from fraese.motor.ports.facts import StatusLines, output_pins, status_lines
-from fraese.motor.ports.recorder import Recorder
-from fraese.motor.realtime.rescue import switch_off
-from fraese.motor.seams import CONTROL, DATA, Card, Port
+from fraese.motor.bridge.codec import Hello
+from fraese.motor.bridge.trial import Carried
+from fraese.motor.bridge.usb import SerialFacts
+from fraese.motor.ports.facts import StatusLines
 
-if TYPE_CHECKING:
-    from fraese.doctor.board import Board
+
+class Stage(IntEnum):
+    """How far it came."""
+
+    NOWHERE = 0
+    FOUND = 1
+    OPENED = 2
+    GREETED = 3
+    TOLD = 4
+    TRIED = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Board:
+    """What was seen of it.
+
+    Attributes:
+        stage: how far it came.
+        serial: its port from outside; None: it is not known which.
+        baud: rate that was spoken.
+        hello: what the device said of itself; None: it was not greeted.
+        trips_s: how long each of some answers took, s.
+        carried: what became of some frames; None: none were sent.
+    """
+
+    stage: Stage = Stage.NOWHERE
+    serial: SerialFacts | None = None
+    baud: int = 0
+    hello: Hello | None = None
+    trips_s: tuple[float, ...] = ()
+    carried: Carried | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,26 +55,4 @@ class Opening:
     error: str = ""
     lines: StatusLines | None = None
     pins: tuple[tuple[int, bool], ...] = ()
-    board: "Board | None" = None
-
-
-def try_port(open_port: Callable[[], Port], card: Card) -> Opening:
-    """Open it, read the inputs, write motors and outputs off, give it back.
-
-    With ppdev the claim puts the control lines to rest. Rest may mean "on" for an output: so they
-    are not left like that.
-
-    Args:
-        open_port: as the machine would do it.
-        card: what is on the port.
-    """
-    try:
-        port = Recorder(open_port(), MonotonicClock())
-        try:
-            lines = status_lines(port)
-        finally:
-            switch_off(lambda: port, card)
-    except PortError as error:
-        return Opening(error=str(error))
-    last = dict(port.writes())
-    return Opening(lines=lines, pins=output_pins(last.get(DATA, 0), last.get(CONTROL, 0)))
+    board: Board | None = None

@@ -15,7 +15,8 @@ from typing import Final
 
 from fraese.doctor.bridge import BRIDGE_CHECKS
 from fraese.doctor.findings import Check, Finding, Patient, State
-from fraese.motor.ports.facts import STATUS_PINS, DeviceFacts
+from fraese.motor.pins import STATUS_PINS
+from fraese.motor.ports.facts import DeviceFacts
 
 _MODPROBE: Final = "Load the drivers with sudo modprobe -a parport_pc ppdev."
 _UDEV: Final = (
@@ -138,7 +139,7 @@ def _inputs(patient: Patient) -> Finding:
         return Finding("inputs", State.BAD, "The inputs could not be read.")
     read = f"{_levels(lines.pins)}; status register {lines.register:#04x}"
     switches = patient.config.switches
-    bit, _ = STATUS_PINS[switches.pin]
+    bit = STATUS_PINS[switches.pin].bit
     if bool(lines.register & bit) == bool(switches.closed_reads):
         return Finding(
             "inputs",

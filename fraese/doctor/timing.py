@@ -18,7 +18,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from fraese.config import AXIS_NAMES, Config
+from fraese.config import Config
+from fraese.config.axes import AXIS_NAMES
 from fraese.doctor.findings import Finding, State
 from fraese.motor.cards.stepdir import STEPDIR_PROFILES
 from fraese.motor.realtime.kernel import KernelFacts

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
-from fraese.config import PlannerConfig
+from fraese.config.work import PlannerConfig
 
 
 class PathMode(StrEnum):

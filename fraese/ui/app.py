@@ -11,9 +11,9 @@ from textual.binding import Binding, BindingType
 from textual.driver import Driver
 from textual.screen import Screen
 
-from fraese.controller import Controller
+from fraese.control.controller import Controller
+from fraese.control.state import Status
 from fraese.errors import FraeseError
-from fraese.state import Status
 from fraese.ui.jogging import Jog, Jogger
 from fraese.ui.keys import COMMANDS, FIRST_WIDTH, STOP_KEYS, WIDTHS, RepeatRule
 from fraese.ui.machine_app import BUSY, MachineApp

@@ -12,8 +12,8 @@ from textual.binding import Binding
 from textual.containers import Horizontal, Vertical
 from textual.widgets import Button, Checkbox, DirectoryTree, Input, RadioButton, RadioSet
 
+from fraese.control.state import MachineState
 from fraese.errors import UsageError
-from fraese.state import MachineState
 from fraese.ui.fact import Fact
 from fraese.ui.pages import LivePage
 from fraese.ui.targets import Target, parse_target

@@ -10,7 +10,7 @@ Rule 2: a state equal to the one before is not worth a message: at standstill no
 import threading
 from collections.abc import Callable
 
-from fraese.state import MachineState
+from fraese.control.state import MachineState
 
 
 class StateFeed:

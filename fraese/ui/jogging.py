@@ -12,8 +12,8 @@ import threading
 from dataclasses import dataclass, replace
 from typing import Final
 
-from fraese.controller import Controller
-from fraese.worker import Command, Worker
+from fraese.control.controller import Controller
+from fraese.control.worker import Command, Worker
 
 _MERGED_MAX_MM: Final = 0.5
 JOG_GROUP: Final = "jog"

@@ -23,14 +23,14 @@ from typing import Any, Final
 from textual.app import App
 from textual.screen import Screen
 
-from fraese.controller import Controller
-from fraese.state import MachineState, Status
+from fraese.control.controller import Controller
+from fraese.control.state import MachineState, Status
+from fraese.control.worker import Command, Worker
 from fraese.ui.feed import StateFeed
 from fraese.ui.machine_screen import MachineScreen
 from fraese.ui.messages import Alarmed, Noted, Refused, StateChanged
 from fraese.ui.pages import LivePage
 from fraese.ui.themes import DARK, LIGHT
-from fraese.worker import Command, Worker
 
 #: Between two redraws.
 _FRAME_S: Final = 0.04

@@ -13,7 +13,7 @@ from textual.containers import Container
 from textual.screen import Screen
 from textual.widgets import Footer
 
-from fraese.state import MachineState
+from fraese.control.state import MachineState
 from fraese.ui.commands import CommandList
 from fraese.ui.path import PathView
 from fraese.ui.position import PositionPanel

@@ -5,7 +5,7 @@ from typing import TypeVar
 
 from textual.screen import ModalScreen
 
-from fraese.state import MachineState
+from fraese.control.state import MachineState
 
 R = TypeVar("R")
 

@@ -3,7 +3,7 @@
 from textual.app import ComposeResult
 from textual.containers import Container, Horizontal, Vertical
 
-from fraese.state import MachineState
+from fraese.control.state import MachineState
 from fraese.ui.big import BigNumber
 from fraese.ui.fact import Fact, Number
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Protocol
 
-from fraese.controller import Controller
+from fraese.control.controller import Controller
 
 
 class Facts(Protocol):

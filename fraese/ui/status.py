@@ -3,7 +3,7 @@
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 
-from fraese.state import JobProgress, MachineState, Status
+from fraese.control.state import JobProgress, MachineState, Status
 from fraese.ui.fact import Fact
 from fraese.ui.keys import WIDTHS
 from fraese.ui.links import Link

@@ -6,8 +6,8 @@ from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
 
-from fraese.state import MachineState
-from fraese.switchtest import SwitchTest
+from fraese.control.state import MachineState
+from fraese.control.switchtest import SwitchTest
 from fraese.ui.fact import Fact
 from fraese.ui.pages import LivePage
 from fraese.ui.status import switch_words

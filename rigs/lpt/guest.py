@@ -214,8 +214,8 @@ def lockdown() -> Said:
 
 def looked_over(kind: str) -> Said:
     """The doctor looks at port and kernel; how late steps are cannot be told under emulation."""
-    from fraese.cardmaker import CARDS
-    from fraese.configfile import from_table
+    from fraese.assembly.cards import CARDS
+    from fraese.config.file import from_table
     from fraese.doctor import admit
     from fraese.doctor.findings import ask
     from fraese.doctor.kernel import KERNEL_CHECKS

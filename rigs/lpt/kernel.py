@@ -24,7 +24,7 @@ CACHE: Final = ROOT / ".rig-cache"
 
 #: Loaded by the guest's init, with what they depend on, in this order.
 BOOT_MODULES: Final = ("virtio_pci", "9pnet_virtio", "9p", "parport_pc", "ppdev")
-#: Kept at hand for scenarios.
+#: SavedState at hand for scenarios.
 SPARE_MODULES: Final = ("lp",)
 
 #: Commands, and the Debian package of each.

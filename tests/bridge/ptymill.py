@@ -11,11 +11,11 @@ import threading
 from pathlib import Path
 
 from fraese.assembly import assemble
+from fraese.assembly.simulation import simulated_mill
 from fraese.config import Config
 from fraese.motor.clock import VirtualClock
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import CONTROL, DATA
-from fraese.simulation import simulated_mill
 from rigs.avr.host import SimHost, prefer
 from tests.bridge.device import image
 

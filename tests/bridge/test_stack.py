@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from fraese.config import Config
-from fraese.configfile import load
+from fraese.config.file import load
 from tests.bridge.device import reason_to_skip
 from tests.bridge.ptymill import PtyMill
 

@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 
-from fraese.cardmaker import CARDS
-from fraese.doctor.board import Board, Stage, try_board
+from fraese.assembly.cards import CARDS
+from fraese.doctor.board import try_board
 from fraese.doctor.bridge import BRIDGE_CHECKS
 from fraese.doctor.findings import Finding, Patient, State, ask
-from fraese.doctor.opening import Opening
+from fraese.doctor.opening import Board, Opening, Stage
 from fraese.motor.bridge.codec import Hello
 from fraese.motor.bridge.trial import Carried
 from fraese.motor.bridge.usb import SerialFacts, serial_facts

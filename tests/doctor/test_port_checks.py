@@ -12,10 +12,11 @@ from typing import Any
 
 import pytest
 
+from fraese.assembly.drivers import DRIVERS
 from fraese.doctor.findings import Finding, Patient, State, ask
-from fraese.doctor.opening import Opening, try_port
+from fraese.doctor.opening import Opening
+from fraese.doctor.parallel import try_port
 from fraese.doctor.port import PORT_CHECKS
-from fraese.drivers import DRIVERS
 from fraese.errors import PortError
 from fraese.motor.cards.control import OutputPin
 from fraese.motor.cards.smc1500 import SmcCard

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from fraese.cardmaker import CARDS
+from fraese.assembly.cards import CARDS
 from fraese.config import Config
 from fraese.doctor.findings import Finding, Patient
 from fraese.doctor.opening import Opening

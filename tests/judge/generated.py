@@ -61,7 +61,7 @@ def _expression(depth: int = 3) -> st.SearchStrategy[str]:
 # Behind a probe and a tool change rs274 asks its pretended machine for the position, and that
 # knows of no offset set since the last move: what follows must be absolute.
 SYNC = "\ng90 g0 x1 y2 z3"
-# Kept small by cos, so that places stay where four decimals mean something.
+# SavedState small by cos, so that places stay where four decimals mean something.
 _WORD_VALUE = _expression(2).map(lambda text: f"[20*cos[{text}]]")
 STRAIGHT = st.one_of(
     st.tuples(st.sampled_from(("g0 ", "g1 ", "g1 f250 ", "")), _axis_words(1)).map("".join),

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from fraese import assembly
+from fraese.assembly import plant as plant_module
+from fraese.assembly.drivers import DRIVERS, Made, Order, on_metal
 from fraese.config import Config
-from fraese.drivers import DRIVERS, Made, Order, on_metal
 from fraese.motor.awake import Awake
 
 if sys.platform != "linux":
@@ -82,8 +82,8 @@ def test_with_metal_the_machine_sleeps_only_when_all_is_closed(
         made = DRIVERS["simulation"](order)
         return on_metal(made.driver, made.clock)
 
-    monkeypatch.setattr(assembly, "DRIVERS", {"bridge": metal})
-    plant = assembly.assemble(Config.model_validate({"port": {"kind": "bridge"}}))
+    monkeypatch.setattr(plant_module, "DRIVERS", {"bridge": metal})
+    plant = plant_module.assemble(Config.model_validate({"port": {"kind": "bridge"}}))
     assert plant.awake is not None
     assert plant.awake.held
     plant.close()
@@ -91,6 +91,6 @@ def test_with_metal_the_machine_sleeps_only_when_all_is_closed(
 
 
 def test_at_a_desk_it_may_sleep() -> None:
-    plant = assembly.assemble(Config())
+    plant = plant_module.assemble(Config())
     assert plant.awake is None
     plant.close()

@@ -131,7 +131,7 @@ def test_backlash_is_configured_in_millimetres_and_made_up_for_in_whole_steps() 
     ],
 )
 def test_nonsense_in_the_configuration_is_refused(key: str, value: object) -> None:
-    from fraese.configfile import from_table
+    from fraese.config.file import from_table
 
     with pytest.raises(ConfigError, match=key):
         from_table({"axes": {"x": {key: value}}}, "test")

@@ -11,11 +11,11 @@ from typing import Any
 from textual.pilot import Pilot
 
 from fraese.assembly import Plant, assemble
+from fraese.assembly.drivers import ClockName
 from fraese.config import Config
-from fraese.controller import Controller
-from fraese.drivers import ClockName
+from fraese.control.controller import Controller
+from fraese.control.jobs import Job
 from fraese.errors import ProgramError
-from fraese.jobs import Job
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import End
 from fraese.planner.lines import plan_line

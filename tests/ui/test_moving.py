@@ -4,7 +4,7 @@ import pytest
 from textual.widgets import Input
 
 from fraese.config import Config
-from fraese.state import Status
+from fraese.control.state import Status
 from fraese.ui.dialogs import GoToDialog, ReferenceDialog
 from fraese.ui.help_screen import HelpScreen
 from tests.ui.helpers import LONG_MOVE_MM, FakeProgram, bench, play
@@ -190,7 +190,7 @@ def test_stop_brakes_and_drops_what_waits(key: str) -> None:
             await b.settled()
             assert b.moved_steps[0] < 1900
             assert b.plant.controller.status is Status.OK
-            assert b.moved_steps[0] == b.plant.controller.whereabouts.position_steps[0]
+            assert b.moved_steps[0] == b.plant.controller.position.position_steps[0]
 
     play(scene)
 
@@ -198,7 +198,7 @@ def test_stop_brakes_and_drops_what_waits(key: str) -> None:
 def test_second_stop_is_without_ramp() -> None:
     async def scene() -> None:
         async with bench(clock="paced") as b:
-            b.plant.controller.whereabouts.set_reference("x", 0)
+            b.plant.controller.position.set_reference("x", 0)
             await b.long_move()
             b.app.action_stop_machine()
             b.app.action_stop_machine()

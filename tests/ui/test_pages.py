@@ -6,8 +6,8 @@ import pytest
 from textual.widgets import Button, DirectoryTree
 
 from fraese.config import Config
-from fraese.jobs import Ask, Job
-from fraese.state import Status
+from fraese.control.jobs import Ask, Job
+from fraese.control.state import Status
 from fraese.ui.dialogs import AskDialog, OpenDialog
 from fraese.ui.fact import Number
 from fraese.ui.links import Link
@@ -216,7 +216,7 @@ def test_pictures_fit(size: tuple[int, int], light: bool) -> None:
                 await b.press("t")
                 assert b.app.theme == "fraese-light"
             for axis, steps in (("x", 40_001), ("y", 20_000), ("z", -6_667)):
-                b.plant.controller.whereabouts.set_reference(axis, steps)
+                b.plant.controller.position.set_reference(axis, steps)
             await b.jog("right")
             seen = []
             for _ in PICTURES:

@@ -2,9 +2,9 @@
 
 import pytest
 
+from fraese.control.state import MachineState, Status
+from fraese.control.switchtest import SwitchTest
 from fraese.errors import UsageError
-from fraese.state import MachineState, Status
-from fraese.switchtest import SwitchTest
 from fraese.ui.feed import StateFeed
 from fraese.ui.jogging import Jog
 from fraese.ui.keys import COMMANDS, GROUPS, WIDTHS, RepeatRule

@@ -28,7 +28,7 @@ def test_a_signal_brakes_switches_off_and_ends_the_app(tmp_path: Path) -> None:
         "seen = plant.port.look()\n"
         "with open('end.txt', 'w') as file:\n"
         "    print(app.return_code, seen.currents[0].a_percent, seen.lost_steps[0],\n"
-        "          plant.controller.whereabouts.position_steps[0], file=file)\n"
+        "          plant.controller.position.position_steps[0], file=file)\n"
     )
     near, far = pty.openpty()
     fcntl.ioctl(far, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))

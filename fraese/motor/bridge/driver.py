@@ -319,7 +319,7 @@ class BridgeDriver:
         except PortError as error:
             session.hang_up()
             self._session = None
-            where = self._picture.whereabouts()
+            where = self._picture.position()
             raise PortError(f"{str(error).rstrip('.')}; {where}.") from error
 
     def _connecting_again(self) -> Steps[None]:

@@ -9,10 +9,11 @@ from typing import Any, Final
 
 from fraese.motor.bridge.cards import CardFacts, Line
 from fraese.motor.bridge.constants import CARD_CLOCKS, CARD_PHASES
-from fraese.motor.cards.control import CONTROL_PINS, OutputPin
+from fraese.motor.cards.control import OutputPin
 from fraese.motor.cards.smc1500 import SmcCard
 from fraese.motor.cards.stepdir import ACTIVE_PIN, BOOST_PIN, StepDirCard
 from fraese.motor.phases import MOTZERO, motor_bits
+from fraese.motor.pins import CONTROL_PINS
 from fraese.motor.seams import Card
 from fraese.motor.switches import SwitchInput
 
@@ -34,7 +35,7 @@ def _smc_facts(card: SmcCard) -> CardFacts:
         table=card.table,
         hold=card.hold_table,
         control_rest=card.lines.rest,
-        strobe=CONTROL_PINS[1][0],
+        strobe=CONTROL_PINS[1].bit,
         outputs=_outputs(card.lines.outputs),
         motor_bits=tuple(motor_bits(motor) for motor in range(card.motors)),
         off=MOTZERO,

@@ -139,7 +139,7 @@ class Picture:
             phases=self.phases(),
         )
 
-    def whereabouts(self) -> str:
+    def position(self) -> str:
         """Where the motors must be, now that nobody tells any more; a part of a sentence."""
         bounds = self.account.bounds()
         if not self.runs or all(low == high for low, high in bounds):

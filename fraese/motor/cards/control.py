@@ -9,15 +9,8 @@ Rule 3: callers speak of pins and of on and off. What register and wiring invert
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
+from fraese.motor.pins import CONTROL_PINS
 from fraese.motor.seams import CONTROL, EVERY_MOTOR, STATUS, Entries, Entry
-
-#: Control register bit behind each DB25 pin, and whether pin and register are inverted.
-CONTROL_PINS: Final = {
-    1: (0b0001, True),
-    14: (0b0010, True),
-    16: (0b0100, False),
-    17: (0b1000, True),
-}
 
 NOTHING: Final[Entries] = ()
 READING: Final[Entries] = (Entry(STATUS, EVERY_MOTOR),)

@@ -12,11 +12,12 @@ Rule 3: the card has no direction lines and no clock: a direction is the order o
 from collections.abc import Sequence
 from typing import Final
 
-from fraese.motor.cards.control import CONTROL_PINS, NOTHING, READING, ControlLines, OutputPin
+from fraese.motor.cards.control import NOTHING, READING, ControlLines, OutputPin
 from fraese.motor.phases import MOTRUN, MOTZERO, holding_table, motor_bits
+from fraese.motor.pins import CONTROL_PINS
 from fraese.motor.seams import CONTROL, DATA, STATUS, Entries, Entry, IdleLevel
 
-_STROBE_BIT: Final = CONTROL_PINS[1][0]
+_STROBE_BIT: Final = CONTROL_PINS[1].bit
 
 
 def _orders(motors: int) -> tuple[tuple[tuple[int, ...], ...], ...]:

@@ -19,23 +19,10 @@ from pathlib import Path
 from typing import Final
 
 from fraese.errors import PortError
+from fraese.motor.pins import CONTROL_PINS, DATA_PINS, STATUS_PINS, levels
 from fraese.motor.seams import Port
 
 _ROOT: Final = Path("/")
-
-#: Status register bit behind each DB25 pin, and whether pin and register are inverted (IEEE 1284).
-STATUS_PINS: Final = {
-    10: (0x40, False),
-    11: (0x80, True),
-    12: (0x20, False),
-    13: (0x10, False),
-    15: (0x08, False),
-}
-
-#: Control register bit behind each DB25 pin, and whether pin and register are inverted.
-CONTROL_PINS: Final = {1: (0x01, True), 14: (0x02, True), 16: (0x04, False), 17: (0x08, True)}
-#: The data register's bits, from the lowest on.
-DATA_PINS: Final = tuple(range(2, 10))
 
 #: Kernel modules that matter, and what for.
 MODULES: Final = {
@@ -143,12 +130,7 @@ def status_lines(port: Port) -> StatusLines:
 
 def lines_of(register: int) -> StatusLines:
     """The inputs as the status register reads them."""
-    return StatusLines(
-        register,
-        tuple(
-            (pin, bool(register & bit) != inverted) for pin, (bit, inverted) in STATUS_PINS.items()
-        ),
-    )
+    return StatusLines(register, tuple(levels(register, STATUS_PINS).items()))
 
 
 def output_pins(data: int, control: int) -> tuple[tuple[int, bool], ...]:
@@ -158,11 +140,7 @@ def output_pins(data: int, control: int) -> tuple[tuple[int, bool], ...]:
         data: data register, as it was written last.
         control: control register, likewise.
     """
-    pins = [(pin, bool(data >> bit & 1)) for bit, pin in enumerate(DATA_PINS)]
-    pins += [
-        (pin, bool(control & bit) != inverted) for pin, (bit, inverted) in CONTROL_PINS.items()
-    ]
-    return tuple(sorted(pins))
+    return tuple(sorted({**levels(data, DATA_PINS), **levels(control, CONTROL_PINS)}.items()))
 
 
 def device_facts(path: str, root: Path = _ROOT) -> DeviceFacts:

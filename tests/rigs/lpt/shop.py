@@ -25,7 +25,7 @@ from typing import Any, Final
 import pytest
 from typer.testing import CliRunner
 
-from fraese import drivers
+from fraese.assembly import drivers
 from fraese.cli import app
 from fraese.motor.core import MotorCore
 from fraese.motor.ports.recorder import Recorder

@@ -1,0 +1,76 @@
+"""Cards as configured: one function and one row for each.
+
+Another card is a class like ``SmcCard``, and a row in ``CARDS``.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from fraese.config import Config
+from fraese.config.axes import AXIS_NAMES
+from fraese.errors import ConfigError
+from fraese.motor.cards.control import OutputPin
+from fraese.motor.cards.smc1500 import SmcCard
+from fraese.motor.cards.stepdir import STEPDIR_PROFILES, StepDirCard
+from fraese.motor.phases import LEVEL_MAPS, PHASE_TABLES
+from fraese.motor.seams import Card
+
+
+def phase_table(name: str) -> bytes:
+    """A drive table by name, or from its bytes in hex.
+
+    Raises:
+        ConfigError: if it is neither.
+    """
+    if name in PHASE_TABLES:
+        return PHASE_TABLES[name]
+    try:
+        table = bytes.fromhex(name)
+    except ValueError:
+        table = b""
+    if not 2 <= len(table) <= 32 or any(byte > 0x3F for byte in table):
+        raise ConfigError(
+            f"card.table: {name!r} is neither one of {', '.join(PHASE_TABLES)} nor 2 to 32 bytes"
+            " in hex, each 00 to 3F."
+        )
+    return table
+
+
+def _pins(config: Config) -> list[OutputPin]:
+    """Configured outputs in the order of their bits."""
+    return [OutputPin(output.pin, output.active_high) for _, output in config.outputs.configured()]
+
+
+def _smc_card(config: Config) -> Card:
+    return SmcCard(
+        table=phase_table(config.card.table),
+        holding_percent=config.card.holding_percent,
+        levels=LEVEL_MAPS[config.card.levels],
+        outputs=_pins(config),
+        motors=len(AXIS_NAMES),
+    )
+
+
+def _stepdir_card(config: Config) -> Card:
+    profile = STEPDIR_PROFILES[config.card.profile]
+    for name in AXIS_NAMES:
+        rate_hz = getattr(config.axes, name).max_rate_hz
+        if rate_hz > profile.max_rate_hz:
+            raise ConfigError(
+                f"axes.{name}.max_rate_hz: {rate_hz:g} is above the {profile.max_rate_hz} steps/s"
+                f" of card.profile {config.card.profile}."
+            )
+    return StepDirCard(
+        profile=profile,
+        clock_idles_high=config.card.clock_idles_high,
+        forward_high=config.card.forward_high,
+        outputs=_pins(config),
+        enable=config.outputs.bit("enable"),
+        motors=len(AXIS_NAMES),
+    )
+
+
+CARDS: Final[Mapping[str, Callable[[Config], Card]]] = {
+    "smc1500": _smc_card,
+    "stepdir": _stepdir_card,
+}

@@ -1,0 +1,194 @@
+"""Drivers as configured: one function and one row for each kind of port.
+
+    kind         who plays the blocks                         time
+    simulation   the core, in this thread, on a mill          virtual, or paced by the wall
+    ppdev        the core, in a process of its own            the machine's
+    devport      likewise
+    bridge       a microcontroller, fed from this thread      the machine's
+
+Another port is a class behind the ``Port`` seam, and a row in ``PORTS`` and in ``DRIVERS``.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple
+
+from fraese.assembly.simulation import simulated_mill
+from fraese.config import Config
+from fraese.config.axes import AXIS_NAMES
+from fraese.control.endswitches import contact_bits
+from fraese.control.savedstate import SavedState
+from fraese.machine import Machine
+from fraese.motor.awake import Awake
+from fraese.motor.clock import MonotonicClock, PacedClock, VirtualClock
+from fraese.motor.core import MotorCore
+from fraese.motor.ports.sim import RotorState, SimulatedMill
+from fraese.motor.seams import Card, Clock, Port, StepDriver
+from fraese.motor.switches import SwitchInput
+
+if TYPE_CHECKING:
+    from fraese.motor.realtime.setup import RealtimeOptions
+
+ClockName = Literal["virtual", "paced"]
+
+#: Time on a simulated mill.
+CLOCKS: Final[Mapping[str, Callable[[], Clock]]] = {"virtual": VirtualClock, "paced": PacedClock}
+
+#: How long one poll may take: short where a person watches, long where nobody does.
+_SLICE_S: Final[Mapping[str, float]] = {"virtual": 0.1, "paced": 0.02}
+_METAL_SLICE_S: Final = 0.02
+
+
+@dataclass(frozen=True)
+class Order:
+    """What a driver is made from.
+
+    Attributes:
+        config: all of it.
+        machine: axes and conversions.
+        card: what the registers mean, with its phases as they were kept.
+        clock: for a simulated mill, how its time passes.
+        kept: how a simulated mill was left.
+    """
+
+    config: Config
+    machine: Machine
+    card: Card
+    clock: ClockName
+    kept: SavedState | None
+
+    @property
+    def switch(self) -> SwitchInput:
+        """The shared end-switch input."""
+        switches = self.config.switches
+        return SwitchInput(*contact_bits(switches), switches.readings)
+
+    @property
+    def settle_s(self) -> float:
+        """Wait after energising."""
+        return self.config.standstill.settle_ms / 1000
+
+    @property
+    def safe_outputs(self) -> int:
+        """Outputs that are off whenever the motors stand."""
+        return self.config.outputs.mask("laser")
+
+
+class Made(NamedTuple):
+    """A driver, and what belongs to it.
+
+    Attributes:
+        driver: what plays the blocks.
+        clock: its time.
+        slice_s: how long one poll may take, s.
+        mill: the simulated mill that it drives; None: there is metal.
+        notes: what a person should know from the start.
+        awake: keeps the machine from sleeping as long as the port is open; None: it may sleep.
+    """
+
+    driver: StepDriver
+    clock: Clock
+    slice_s: float
+    mill: SimulatedMill | None = None
+    notes: tuple[str, ...] = ()
+    awake: Awake | None = None
+
+
+def _on_simulated_mill(order: Order) -> Made:
+    clock = CLOCKS[order.clock]()
+    mill = simulated_mill(order.config, order.machine, clock)
+    if order.kept is not None and order.kept.simulation:
+        mill.set_states([RotorState(*values) for values in order.kept.simulation])
+    core = MotorCore(
+        mill,
+        order.card,
+        clock,
+        switch=order.switch,
+        settle_s=order.settle_s,
+        safe_outputs=order.safe_outputs,
+    )
+    return Made(core, clock, _SLICE_S[order.clock], mill)
+
+
+def realtime_options(config: Config) -> "RealtimeOptions":
+    """How the step process gets its time, as configured."""
+    from fraese.motor.realtime.setup import ChargePump, RealtimeOptions
+
+    heartbeat = config.outputs.bit("heartbeat")
+    pump = None if heartbeat is None else ChargePump(heartbeat, config.realtime.heartbeat_hz)
+    return RealtimeOptions(
+        top_rate_hz=max(getattr(config.axes, name).max_rate_hz for name in AXIS_NAMES),
+        core=config.realtime.core,
+        silent_s=config.realtime.silent_s,
+        pump=pump,
+    )
+
+
+def _in_real_time(order: Order) -> Made:
+    # Only where there is such a port: what the child needs exists on Linux only.
+    from fraese.motor.realtime.driver import RealtimeDriver
+    from fraese.motor.realtime.setup import Setup
+
+    setup = Setup(
+        PORTS[order.config.port.kind](order.config),
+        order.card,
+        switch=order.switch,
+        settle_s=order.settle_s,
+        safe_outputs=order.safe_outputs,
+        options=realtime_options(order.config),
+    )
+    return on_metal(RealtimeDriver(setup), MonotonicClock())
+
+
+def on_metal(driver: StepDriver, clock: Clock) -> Made:
+    """Where real motors hang on the other end, the computer must not fall asleep."""
+    return Made(driver, clock, _METAL_SLICE_S, awake=Awake())
+
+
+def _ppdev(config: Config) -> Callable[[], Port]:
+    from fraese.motor.ports.ppdev import PpdevPort
+
+    return partial(PpdevPort, config.port.parallel_device)
+
+
+def _devport(config: Config) -> Callable[[], Port]:
+    from fraese.motor.ports.devport import DevPort
+
+    return partial(DevPort, config.port.base)
+
+
+def _on_bridge(order: Order) -> Made:
+    # Nobody else needs pyserial.
+    from fraese.motor.bridge.driver import BridgeDriver
+    from fraese.motor.bridge.line import SerialLine, only_candidate, serial_ports
+
+    port = order.config.port
+    device = port.device or only_candidate(serial_ports())
+    clock = MonotonicClock()
+    driver = BridgeDriver(
+        partial(SerialLine, device, port.baud),
+        order.card,
+        clock,
+        switch=order.switch,
+        settle_s=order.settle_s,
+        safe_outputs=order.safe_outputs,
+        silence_s=order.config.realtime.silent_s,
+        name=device,
+        baud=port.baud,
+    )
+    return on_metal(driver, clock)
+
+
+#: Ports of metal: what opens each, as configured.
+PORTS: Final[Mapping[str, Callable[[Config], Callable[[], Port]]]] = {
+    "ppdev": _ppdev,
+    "devport": _devport,
+}
+
+DRIVERS: Final[Mapping[str, Callable[[Order], Made]]] = {
+    "simulation": _on_simulated_mill,
+    "ppdev": _in_real_time,
+    "devport": _in_real_time,
+    "bridge": _on_bridge,
+}

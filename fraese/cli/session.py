@@ -1,0 +1,247 @@
+"""One command on one machine without an app: progress, answers, result, exit code.
+
+Rule 1: the last line on standard output is the result, for people or, with ``--json``, one object;
+        everything else goes to standard error.
+Rule 2: an interrupt or termination signal brakes with ramp, keeps the state, and ends with 130.
+Rule 3: a question of the program is asked where a person sits at a terminal. Elsewhere it is
+        answered at once and noted.
+"""
+
+import json
+import select
+import shutil
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
+from typing import Any, Final
+
+from fraese.assembly import Plant
+from fraese.control.controller import Controller
+from fraese.control.state import MachineState, Status
+from fraese.control.switchtest import SwitchTest
+from fraese.errors import Cancelled, FraeseError
+
+_STATUS_WORDS: Final = {Status.OK: "done", Status.CANCEL: "cancelled", Status.ERROR: "alarm"}
+_EXIT_CODES: Final = {Status.OK: 0, Status.ERROR: 1, Status.CANCEL: Cancelled.exit_code}
+_PROGRESS_EVERY_S: Final = 0.1
+_LOOK_EVERY_S: Final = 0.05
+_SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP")
+
+
+def note(text: str, end: str = "\n") -> None:
+    """A line for people; that nobody reads it any more must not stop a machine."""
+    with suppress(OSError, ValueError):
+        print(text, end=end, file=sys.stderr, flush=True)
+
+
+class Session:
+    """Runs commands on a plant and says how they ended.
+
+    Args:
+        plant: closed by ``finish``.
+        as_json: result as one JSON object.
+    """
+
+    def __init__(self, plant: Plant, *, as_json: bool) -> None:
+        self._plant = plant
+        self._controller = plant.controller
+        self._as_json = as_json
+        self._shows_progress = sys.stderr.isatty()
+        self._shown_s = 0.0
+        self._from_ns = plant.clock.now_ns()
+        self._blocks = 0
+        self._told = ""
+        self._asked = ""
+        self._may_raise = True
+        self._controller.set_show_pos(self._progress)
+        self._controller.set_break_key(self._answer)
+        self._controller.set_tell(self._tell)
+        for text in plant.notes:
+            note(text)
+
+    def do(self, command: Callable[[Controller], object]) -> int:
+        """Command, run, result; the exit code.
+
+        Raises:
+            FraeseError: if the command is refused; the machine has not moved.
+        """
+        with _interrupts(self._interrupt):
+            command(self._controller)
+            if self._controller.status is Status.RUN:
+                self._plant.save(moving=True)
+                self._may_raise = False
+            status = self._controller.run()
+            self._may_raise = False
+            state = self._controller.state()
+            self._blocks = state.job.blocks if state.job else 0
+            self._plant.close()
+        self._end_progress()
+        self._say_result(status, state)
+        return _EXIT_CODES[status]
+
+    def _interrupt(self) -> None:
+        """Before anything moves the command is given up; then the job brakes."""
+        if self._may_raise:
+            raise KeyboardInterrupt
+        self._controller.cancel()
+
+    def _say_result(self, status: Status, state: MachineState) -> None:
+        word = _STATUS_WORDS[status]
+        if self._as_json:
+            print(json.dumps(self._result(word, state)))
+            return
+        if state.message != self._told:
+            note(state.message)
+        where = " ".join(
+            f"{name.upper()} {mm:.3f}" for name, mm in zip(state.axes, state.work_mm, strict=True)
+        )
+        print(f"{word}: {where} mm")
+
+    def _result(self, word: str, state: MachineState) -> dict[str, Any]:
+        def by_axis(values: tuple[Any, ...]) -> dict[str, Any]:
+            return dict(zip(state.axes, values, strict=True))
+
+        duration_ns = self._plant.clock.now_ns() - self._from_ns
+        return {
+            "status": word,
+            "message": state.message,
+            "position_mm": by_axis(state.position_mm),
+            "position_steps": by_axis(state.position_steps),
+            "work_mm": by_axis(state.work_mm),
+            "referenced": by_axis(state.referenced),
+            "steps": by_axis(self._controller.travelled_steps()),
+            "duration_s": round(duration_ns / 1e9, 6),
+            "blocks": self._blocks,
+            "late_ticks": state.late_ticks,
+            "dry_queues": state.dry_queues,
+        }
+
+    # --- called by the run loop ----------------------------------------------------------------
+
+    def _progress(self) -> None:
+        now_s = time.monotonic()
+        if not self._shows_progress or now_s - self._shown_s < _PROGRESS_EVERY_S:
+            return
+        self._shown_s = now_s
+        state = self._controller.state()
+        job = state.job
+        where = " ".join(
+            f"{name.upper()}{mm:9.3f}" for name, mm in zip(state.axes, state.work_mm, strict=True)
+        )
+        line = f"line {job.line}/{job.lines}  " if job and job.lines else ""
+        elapsed = f"{job.elapsed_s:8.1f} s" if job else ""
+        # A line that wraps could not be wiped any more.
+        width = shutil.get_terminal_size().columns - 1
+        note("\r\x1b[K" + f"{line}{where}  {elapsed}"[:width], end="")
+
+    def _end_progress(self) -> None:
+        if self._shows_progress and self._shown_s:
+            note("\r\x1b[K", end="")
+
+    def _tell(self, message: str) -> None:
+        self._end_progress()
+        self._told = message
+        note(message)
+
+    def _answer(self) -> None:
+        """Ask once; then look for the answer between two rounds of the run loop.
+
+        A program that waits in a read would be taken for hung by what drives the motors.
+        """
+        question = self._controller.question
+        if not question:
+            return
+        at_terminal = sys.stdin.isatty()
+        if question != self._asked:
+            self._asked = question
+            self._end_progress()
+            note(
+                f"{question} [Enter] " if at_terminal else f"{question} (no terminal: going on)",
+                end="" if at_terminal else "\n",
+            )
+        if at_terminal and not _line_waits():
+            return
+        self._asked = ""
+        try:
+            if at_terminal:
+                input()
+        except EOFError:
+            self._controller.cancel()
+        else:
+            self._controller.answer()
+
+
+def _line_waits() -> bool:
+    """A line was typed; waits a moment for one. Where that cannot be seen: True."""
+    try:
+        return bool(select.select([sys.stdin], [], [], _LOOK_EVERY_S)[0])
+    except (OSError, ValueError):
+        return True
+
+
+def watch_switches(controller: Controller, *, as_json: bool) -> int:
+    """Let each end switch be pressed by hand and say what is seen; the exit code.
+
+    With ``--json``, or where nobody sits at a terminal, one look is all.
+    """
+    if as_json or not sys.stdout.isatty():
+        return _look_once(controller, as_json=as_json)
+    test = SwitchTest([axis.name for axis in controller.machine.axes])
+    shown = ""
+    while not test.done:
+        since_s = time.monotonic()
+        time.sleep(_LOOK_EVERY_S)
+        controller.idle(time.monotonic() - since_s)
+        seen = test.look(controller.state().switch_closed)
+        if seen:
+            print(f"\r\x1b[K{seen} seen")
+        if test.sentence() != shown:
+            shown = test.sentence()
+            print(f"\r\x1b[K{shown} ", end="", flush=True)
+    print(f"\r\x1b[K{test.sentence()}")
+    return 0
+
+
+def _look_once(controller: Controller, *, as_json: bool) -> int:
+    for _ in range(controller.config.switches.readings):
+        controller.idle()
+    state = controller.state()
+    if as_json:
+        values = {
+            "switch_closed": state.switch_closed,
+            "ends": list(state.ends),
+            "inputs": {str(pin): high for pin, high in state.inputs.items()},
+        }
+        print(json.dumps(values))
+    else:
+        pins = " ".join(f"{pin}:{'high' if high else 'low'}" for pin, high in state.inputs.items())
+        print(f"end switches {'closed' if state.switch_closed else 'open'}; pins {pins}")
+    return 0
+
+
+@contextmanager
+def _interrupts(cancel: Callable[[], None]) -> Iterator[None]:
+    """Signals cancel the job instead of killing the program."""
+
+    def on_signal(number: int, frame: FrameType | None) -> None:
+        cancel()
+
+    numbers = [getattr(signal, name) for name in _SIGNALS if hasattr(signal, name)]
+    before = [signal.signal(number, on_signal) for number in numbers]
+    try:
+        yield
+    finally:
+        for number, handler in zip(numbers, before, strict=True):
+            signal.signal(number, handler)
+
+
+def refuse(error: FraeseError, *, as_json: bool) -> int:
+    """Say why nothing was done; the exit code."""
+    if as_json:
+        word = "cancelled" if isinstance(error, Cancelled) else "refused"
+        print(json.dumps({"status": word, "message": str(error)}))
+    note(f"fraese: {str(error).rstrip('.')}.")
+    return error.exit_code

@@ -1,0 +1,221 @@
+"""The configuration file: found, read, refused in one sentence, written back, explained.
+
+Rule 1: what is found first is used: the file named by the user, ``fraese.toml`` in the working
+        directory, the user's configuration folder, the built-in defaults (a simulated mill).
+Rule 2: numbers are read as decimals, so that steps per millimetre are exact.
+Rule 3: a complaint names file and key, says what is wrong and what would be right.
+"""
+
+import os
+import tomllib
+from decimal import Decimal
+from pathlib import Path
+from typing import Any, Literal, get_args, get_origin
+
+import platformdirs
+import tomlkit
+from pydantic import ValidationError
+
+from fraese.config.config import Config
+from fraese.config.section import Section
+from fraese.config.work import ToolConfig
+from fraese.errors import ConfigError
+
+FILE_NAME = "fraese.toml"
+#: Values in messages are cut behind this many characters.
+_SHOWN_CHARACTERS = 60
+_SCALARS = (int, float, str, Decimal)
+
+
+def find_file(named: Path | None = None) -> Path | None:
+    """The configuration file that counts; None: built-in defaults.
+
+    Raises:
+        ConfigError: if a file was named and is not there.
+    """
+    if named is not None:
+        if not named.is_file():
+            raise ConfigError(f"{named}: there is no such configuration file.")
+        return named
+    user = Path(platformdirs.user_config_dir("fraese")) / FILE_NAME
+    return next((path for path in (Path(FILE_NAME), user) if path.is_file()), None)
+
+
+def load(named: Path | None = None) -> Config:
+    """Read and check the configuration.
+
+    Raises:
+        ConfigError: one sentence with file, key and what would be right.
+    """
+    path = find_file(named)
+    return Config() if path is None else from_table(_read(path), str(path))
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_bytes().decode("utf-8"), parse_float=Decimal)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {os.strerror(error.errno or 0)}.") from error
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: is not a text file in UTF-8.") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{path}: is not valid TOML: {error}.") from error
+
+
+def from_table(raw: dict[str, Any], place: str) -> Config:
+    """Check a table that was read already.
+
+    Raises:
+        ConfigError: one sentence with place, key and what would be right.
+    """
+    try:
+        return Config.model_validate(raw)
+    except ValidationError as error:
+        raise ConfigError(f"{place}: {_sentence(error)}") from error
+
+
+def _sentence(error: ValidationError) -> str:
+    """The first complaint as one sentence; how many more there are."""
+    complaints = error.errors(include_url=False)
+    first = complaints[0]
+    key = ".".join(str(part) for part in first["loc"])
+    if first["type"] == "extra_forbidden":
+        parent = _section_at(first["loc"][:-1])
+        known = ", ".join(sorted(parent.model_fields)) if parent else ""
+        text = f"unknown key {key}" + (f"; known here: {known}" if known else "")
+    else:
+        said = (
+            first["msg"]
+            .removeprefix("Value error, ")
+            .replace("Input should be", "must be")
+            .removesuffix(".")
+        )
+        given = first["input"]
+        shown = f", not {_short(given)}" if isinstance(given, _SCALARS) else ""
+        text = f"{key}: {said}{shown}" if key else said
+    more = len(complaints) - 1
+    return text + (f" (and {more} more)" if more else "") + "."
+
+
+def _short(value: object) -> str:
+    """A value on one line of bounded length."""
+    text = " ".join(str(value).split())
+    return text if len(text) <= _SHOWN_CHARACTERS else text[:_SHOWN_CHARACTERS] + "..."
+
+
+def _section_at(location: tuple[int | str, ...]) -> type[Section] | None:
+    """The model behind a dotted place in the file."""
+    section: Any = Config
+    for part in location:
+        if section is ToolConfig:
+            break  # the number of a tool: its keys are those of every tool
+        field = section.model_fields.get(part)
+        if field is None:
+            return None
+        options = [field.annotation, *getattr(field.annotation, "__args__", ())]
+        section = next((o for o in options if isinstance(o, type) and issubclass(o, Section)), None)
+        if section is None:
+            return None
+    return section  # type: ignore[no-any-return]
+
+
+def schema() -> dict[str, Any]:
+    """JSON schema for editors."""
+    return Config.model_json_schema()
+
+
+def write_key(path: Path, section: str, key: str, value: Any) -> None:
+    """Change one key in a file, comments kept; the result is checked before it is written.
+
+    Raises:
+        ConfigError: if the file would not be valid afterwards, or cannot be written; it is left as
+            it was.
+    """
+    document = tomlkit.document()
+    if path.is_file():
+        _read(path)
+        document = tomlkit.parse(path.read_text("utf-8"))
+    table: Any = document
+    for part in section.split("."):
+        table = table.setdefault(part, tomlkit.table())
+    table[key] = value
+    text = tomlkit.dumps(document)
+    from_table(tomllib.loads(text, parse_float=Decimal), str(path))
+    try:
+        fresh = path.with_name(f"{path.name}.{os.getpid()}.new")
+        fresh.write_text(text, "utf-8")
+        fresh.replace(path)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be written: {error.strerror}.") from error
+
+
+def annotated() -> str:
+    """The defaults as a file, every key with its sentence, unit and bounds."""
+    lines = [
+        "# Configuration of fraese. Every key is optional; what stands here is the default.",
+        "# Found in the working directory, else in the user's configuration folder.",
+    ]
+    _annotate(Config(), "", lines)
+    return "\n".join(lines) + "\n"
+
+
+def _annotate(section: Section, path: str, lines: list[str]) -> None:
+    tables = []
+    if path:
+        lines += ["", f"# {(type(section).__doc__ or '').strip()}", f"[{path}]"]
+    for key, field in type(section).model_fields.items():
+        value = getattr(section, key)
+        if isinstance(value, Section):
+            tables.append((key, value))
+            continue
+        lines.append(f"# {field.description}{_choices(field.annotation)}{_bounds(field.metadata)}")
+        lines.append(_entry(key, value, field.annotation))
+    for key, value in tables:
+        _annotate(value, f"{path}.{key}" if path else key, lines)
+
+
+def _entry(key: str, value: Any, annotation: Any) -> str:
+    if value is None:
+        return f"#{key} = {_example(annotation)}"
+    if isinstance(value, dict):
+        return f"#[{key}.1]\n#length_mm = 0.0\n#diameter_mm = 3.0"
+    if isinstance(value, Decimal):
+        return f"{key} = {value}"
+    return f"{key} = {tomlkit.item(value).as_string()}"
+
+
+def _example(annotation: Any) -> str:
+    """A value for a key that has none by default."""
+    if choices := _literals(annotation):
+        return str(choices[-1])
+    examples = {float: "-2.0", int: "1"}
+    return next(
+        (text for kind, text in examples.items() if kind in get_args(annotation)),
+        "{ pin = 14, active_high = true }",
+    )
+
+
+def _literals(annotation: Any) -> tuple[Any, ...]:
+    """What a field may be, if that is a list; also one that may be left out."""
+    may_be_left_out = type(None) in get_args(annotation)
+    for option in get_args(annotation) if may_be_left_out else (annotation,):
+        if get_origin(option) is Literal:
+            return get_args(option)
+    return ()
+
+
+def _choices(annotation: Any) -> str:
+    choices = ", ".join(str(choice) for choice in _literals(annotation))
+    return f" One of: {choices}." if choices else ""
+
+
+def _bounds(metadata: list[Any]) -> str:
+    """What the field's limits are, in brackets; nothing without limits."""
+    signs = {"gt": "above", "ge": "from", "lt": "below", "le": "up to"}
+    found = [
+        f"{word} {getattr(item, name):.12g}"
+        for item in metadata
+        for name, word in signs.items()
+        if getattr(item, name, None) is not None
+    ]
+    return f" ({', '.join(found)})" if found else ""

@@ -1,0 +1,216 @@
+"""What is wired to what: card, port, outputs, switches, probe, and the current at standstill."""
+
+import re
+from typing import Literal
+
+from pydantic import Field, field_validator
+
+from fraese.config.section import Section
+
+_DEVICE = re.compile(r"(/[^\x00-\x1f\x7f]{1,200}|COM[0-9]{1,3})?")
+
+
+class OutputConfig(Section):
+    """One free output on a control pin."""
+
+    pin: Literal[1, 14, 16, 17] = Field(description="DB25 pin of the control register.")
+    active_high: bool = Field(True, description="Whether a high pin means on.")
+
+
+class OutputsConfig(Section):
+    """What hangs on the free outputs; what is not named is switched by hand."""
+
+    spindle: OutputConfig | None = Field(None, description="Spindle relay.")
+    coolant: OutputConfig | None = Field(None, description="Coolant or extraction relay.")
+    laser: OutputConfig | None = Field(
+        None,
+        description=(
+            "Laser: follows M3, M4 and M5 without a stop, and is off whenever the motors stand."
+        ),
+    )
+    enable: OutputConfig | None = Field(
+        None,
+        description=(
+            "Enable line of step/direction drives; without it their current cannot be switched off."
+        ),
+    )
+
+    heartbeat: OutputConfig | None = Field(
+        None,
+        description=(
+            "Charge pump: toggles while the step loop of a parallel port lives, for drives that"
+            " switch off without it."
+        ),
+    )
+
+    def configured(self) -> list[tuple[str, OutputConfig]]:
+        """Names and pins of the outputs there are; the place is the bit that a driver knows."""
+        return [(name, output) for name, output in self if output is not None]
+
+    def bit(self, name: str) -> int | None:
+        """Bit of an output, or None where nothing hangs on it."""
+        names = [name for name, _ in self.configured()]
+        return names.index(name) if name in names else None
+
+    def mask(self, *names: str) -> int:
+        """Bits of those of these outputs that there are."""
+        bits = (self.bit(name) for name in names)
+        return sum(1 << bit for bit in bits if bit is not None)
+
+
+class CardConfig(Section):
+    """The electronics between port and motors."""
+
+    kind: Literal["smc1500", "stepdir"] = Field(
+        "smc1500",
+        description=(
+            'Phase-current card ("smc1500", also SMC800) or step/direction drives ("stepdir").'
+        ),
+    )
+    table: str = Field(
+        "motrun",
+        description=("Phase table: motrun, field-60, field-20, full-step, or its bytes in hex."),
+    )
+    levels: Literal["field", "seed"] = Field(
+        "field",
+        description=(
+            "What the middle current codes mean: field 01 = 60 %, 10 = 20 %; seed: vice versa."
+        ),
+    )
+    holding_percent: int = Field(
+        0,
+        ge=0,
+        le=100,
+        description=(
+            "Current at standstill when it is held, per cent of the running current; 0: off."
+        ),
+    )
+    profile: Literal["x4step", "paper"] = Field(
+        "x4step", description=("Pulse timing of step/direction drives.")
+    )
+    clock_idles_high: bool = Field(False, description="Resting level of the clock lines.")
+    forward_high: bool = Field(True, description="Level of the direction lines for positive steps.")
+
+
+class PortConfig(Section):
+    """How the registers are reached."""
+
+    kind: Literal["simulation", "ppdev", "devport", "bridge"] = Field(
+        "simulation",
+        description=(
+            "The simulated mill; a parallel port by its driver, or by its address (root only); a"
+            " bridge on a serial port."
+        ),
+    )
+    device: str = Field(
+        "",
+        description=(
+            'Full path, for "ppdev" and "bridge"; empty: /dev/parport0, or the only board that'
+            " looks like an Arduino."
+        ),
+    )
+    baud: int = Field(
+        250_000,
+        ge=9_600,
+        le=2_000_000,
+        description='Rate of the serial port, for "bridge": the one the firmware was built for.',
+    )
+    base: int = Field(
+        0x378,
+        ge=0x100,
+        le=0xFFFC,
+        multiple_of=4,
+        description=(
+            'I/O address of the data register, for "devport"; 888 is 0x378, the first port of most'
+            " machines."
+        ),
+    )
+
+    @field_validator("device")
+    @classmethod
+    def _full_path(cls, value: str) -> str:
+        if not _DEVICE.fullmatch(value):
+            raise ValueError("must be the full path of a device file, such as /dev/parport0")
+        return value
+
+    @property
+    def parallel_device(self) -> str:
+        """Device file for ppdev."""
+        return self.device or "/dev/parport0"
+
+
+class RealtimeConfig(Section):
+    """The process that makes the steps on a parallel port."""
+
+    core: int | None = Field(
+        None,
+        ge=0,
+        description="Processor that it stays on; without one, the one that is disturbed least.",
+    )
+    silent_s: float = Field(
+        2,
+        ge=0.2,
+        le=60,
+        description=(
+            "When it, or the bridge, hears nothing from the program for so long while motors run,"
+            " it brakes and switches off, s."
+        ),
+    )
+    heartbeat_hz: float = Field(
+        100, gt=0, le=500, description="Periods a second of outputs.heartbeat."
+    )
+
+
+class SwitchesConfig(Section):
+    """The shared end-switch input."""
+
+    mode: Literal["stop", "ignore"] = Field(
+        "stop",
+        description=("What a contact does: stop the motors, or nothing (for trying things out)."),
+    )
+    pin: Literal[10, 11, 12, 13, 15] = Field(11, description="DB25 pin of the status register.")
+    closed_reads: Literal[0, 1] = Field(
+        0, description=("How the pin's register bit reads with contact.")
+    )
+    readings: int = Field(
+        3,
+        ge=1,
+        le=100,
+        description=(
+            "Equal readings in a row that make or end a contact; 1 is the original's behaviour."
+        ),
+    )
+
+
+class ProbeConfig(Section):
+    """The probe of G38.2 to G38.5."""
+
+    pin: Literal[10, 11, 12, 13, 15] | None = Field(
+        None,
+        description=(
+            "DB25 pin of the status register; without one the probe shares the end switches' input."
+        ),
+    )
+    closed_reads: Literal[0, 1] = Field(
+        0, description="How the register bit of a pin of its own reads with contact."
+    )
+
+
+class StandstillConfig(Section):
+    """Current between jobs."""
+
+    current: Literal["off", "hold"] = Field(
+        "off", description=("Motors off at standstill, or on holding current.")
+    )
+    delay_s: float = Field(
+        0,
+        ge=0,
+        le=3600,
+        description=("Wait after the end of a run before the current is changed, s."),
+    )
+    settle_ms: float = Field(
+        20,
+        ge=0,
+        le=5000,
+        description=("Wait after switching the current on, before the first step, ms."),
+    )

@@ -1,0 +1,151 @@
+"""How the machine is worked with: reference run, jogging, programs, planning, tools, log."""
+
+from typing import Literal
+
+from pydantic import Field, field_validator
+
+from fraese.config.axes import AxisName
+from fraese.config.section import NotNegative, Positive, Section
+
+
+class HomingConfig(Section):
+    """The reference run."""
+
+    order: tuple[AxisName, ...] = Field(
+        ("z", "x", "y"),
+        min_length=1,
+        description=("Axes in the order in which they are referenced; the vertical one first."),
+    )
+    approach_mm_min: Positive = Field(600, description="Feed towards the switch, mm/min.")
+    slow_mm_min: Positive = Field(
+        60, description=("Feed of backing off and of the second approach, mm/min.")
+    )
+    back_off_max_mm: Positive = Field(
+        5, description=("Within this way the switch must open again, mm.")
+    )
+    resolve_mm: Positive = Field(
+        1.5,
+        description=(
+            "How far a candidate is backed off when a switch is closed at the start, mm;"
+            " shorter than the way from a switch to the mechanical end."
+        ),
+    )
+    pull_off_mm: Positive = Field(
+        2, description=("Distance from the switch that becomes machine zero, mm.")
+    )
+    search_factor: float = Field(
+        1.1,
+        ge=1,
+        le=10,
+        description=("The switch must be found within this many times the travel."),
+    )
+    measure: bool = Field(
+        False, description=("Whether to run to the other end too and measure the travel.")
+    )
+
+    @field_validator("order")
+    @classmethod
+    def _no_axis_twice(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        if len(set(value)) != len(value):
+            raise ValueError("names an axis twice")
+        return value
+
+
+class JogConfig(Section):
+    """Moving by hand."""
+
+    feed_mm_min: Positive = Field(600, description="Feed of jog moves, mm/min.")
+    max_mm: Positive = Field(50, description="Longest single jog, mm.")
+
+
+class RunConfig(Section):
+    """Working through a program."""
+
+    unreferenced: Literal["slow", "forbid"] = Field(
+        "slow",
+        description=(
+            "A job on a machine that is not referenced runs at reduced rate with a warning, or not."
+        ),
+    )
+    unreferenced_percent: float = Field(
+        50, gt=0, le=100, description=("Feed of such a job, per cent.")
+    )
+    default_feed_mm_min: Positive = Field(
+        300, description=("Feed of straight moves commanded without one, mm/min.")
+    )
+    optional_stop: bool = Field(False, description="Whether M1 stops.")
+    block_delete: bool = Field(
+        False, description="Whether lines that start with a slash are left out."
+    )
+    confirm_spindle: bool = Field(
+        False,
+        description=(
+            "Whether the operator must confirm that a spindle switched by hand runs or stands."
+        ),
+    )
+    spin_up_s: float = Field(
+        2, ge=0, le=60, description="Wait after switching a configured spindle output on, s."
+    )
+    safe_z_mm: float | None = Field(
+        None,
+        description=(
+            "Height for moves above the work, machine coordinates, mm; without it, the upper end"
+            " of the travel."
+        ),
+    )
+    retract_mm: NotNegative = Field(
+        0, description="How far the tool is lifted while a program is held, mm; 0: it stays."
+    )
+    list_unit: Literal["mm", "inch"] = Field(
+        "mm", description="Unit of coordinate lists that do not say theirs."
+    )
+    lead_s: float = Field(
+        0.3, ge=0.05, le=10, description=("Motion kept in the queue ahead of the motors, s.")
+    )
+
+
+class PlannerConfig(Section):
+    """How moves become motion."""
+
+    chord_tolerance_mm: float = Field(
+        0.005,
+        gt=0,
+        le=1,
+        description=("Greatest distance of an arc's chords from the true arc, mm."),
+    )
+    min_block_ms: float = Field(
+        4,
+        ge=0,
+        le=100,
+        description=(
+            "Time that blocks take at least, in the mean of eight, ms: very short segments are"
+            " driven slower, so that a small queue is not outrun."
+        ),
+    )
+    max_block_s: float = Field(
+        1,
+        ge=0.1,
+        le=3600,
+        description=(
+            "Longer moves are cut into blocks of this time, s, so that an override acts soon."
+        ),
+    )
+    window: int = Field(
+        200, ge=8, le=10_000, description=("Segments that the look-ahead holds at most.")
+    )
+
+
+class ToolConfig(Section):
+    """One tool of the tool table."""
+
+    length_mm: float = Field(0, description="Length offset that G43 applies, mm.")
+    diameter_mm: NotNegative = Field(0, description="Diameter, mm.")
+
+
+class LogConfig(Section):
+    """The log file."""
+
+    enabled: bool = Field(False, description="Whether the log is on from the start.")
+    file: str = Field(
+        "", description=("Where it is written; empty: fraese.log in the user's state folder.")
+    )

@@ -1,0 +1,360 @@
+"""The controller (FRAESE): UI-free. Commands in, callbacks out.
+
+Rule 1: everything runs in one thread, the one that calls ``run``. Only ``cancel``, ``stop``,
+        ``hold``, ``resume``, ``answer``, ``set_override`` and ``state`` may be called from another.
+Rule 2: callbacks are called from that thread. They may read ``state()`` and set those flags, no
+        more.
+Rule 3: a refused command leaves everything as it was.
+Rule 4: what is known is known in one place: positions in ``position``, contacts in ``switches``,
+        the queue in ``MotionQueue``, the status in ``RunLoop``. Here are only commands and facts.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from fraese.config import Config
+from fraese.control import lines, softlimits
+from fraese.control.endswitches import EndSwitches
+from fraese.control.homing import Homing
+from fraese.control.motionqueue import MotionQueue
+from fraese.control.position import Position
+from fraese.control.runloop import RunLoop
+from fraese.control.savedstate import SavedState
+from fraese.control.state import MachineState, Status
+from fraese.errors import FraeseError, LimitError
+from fraese.log import LogFile, logged
+from fraese.machine import Machine, Steps
+from fraese.motor.pins import STATUS_PINS, levels
+from fraese.motor.seams import Clock, StepDriver
+
+
+class Controller:
+    """Commands and facts of one machine.
+
+    Args:
+        machine: axes and conversions.
+        driver: what plays the blocks; closed with the controller.
+        clock: the driver's clock.
+        config: limits, feeds, standstill.
+        log: the log file that can be switched, if there is one.
+        slice_s: how long one poll of the driver may take, s.
+
+    Attributes:
+        position: positions, references, work offsets.
+        switches: the end switches and the probe.
+        override: feed override, a factor.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        driver: StepDriver,
+        clock: Clock,
+        config: Config,
+        log: LogFile | None = None,
+        slice_s: float = 0.02,
+    ) -> None:
+        self.machine = machine
+        self.config = config
+        self.log = log
+        self._driver = driver
+        self.override = 1.0
+        self.position = Position(machine)
+        self._queue = MotionQueue(driver, self.position)
+        self.switches = EndSwitches(config, self.position, self._queue, driver)
+        self._loop = RunLoop(
+            config, driver, clock, self._queue, self.position, self.switches, slice_s
+        )
+        self._queue.look_around(config.switches.readings)
+        # The run loop's own methods, under the controller's name.
+        self.set_display = self._loop.set_display
+        self.set_show_pos = self._loop.set_show_pos
+        self.set_break_key = self._loop.set_break_key
+        self.set_tell = self._loop.set_tell
+        self.start = self._loop.start
+        self.run = self._loop.run
+        self.idle = self._loop.idle
+        self.acknowledge = self._loop.acknowledge
+        self.say = self._loop.say
+        # From any thread: straight to the flags.
+        self.cancel = self._loop.runner.cancel
+        self.stop = self._loop.runner.stop
+        self.hold = self._loop.runner.hold
+        self.resume = self._loop.runner.resume
+        self.answer = self._loop.runner.answer
+
+    @property
+    def status(self) -> Status:
+        """OK, RUN, CANCEL or ERROR."""
+        return self._loop.status
+
+    @property
+    def error(self) -> FraeseError | None:
+        """What the last job failed with, if it did."""
+        return self._loop.error
+
+    @property
+    def question(self) -> str:
+        """What the operator is asked now; empty if nothing."""
+        return self._loop.runner.question
+
+    @property
+    def cancelling(self) -> bool:
+        """The running job has been told to end; it may still be braking."""
+        return self.status is Status.RUN and self._loop.runner.cancelling
+
+    @property
+    def holding(self) -> bool:
+        """The running job has been told to wait; it may still be braking."""
+        return self.status is Status.RUN and self._loop.runner.holding
+
+    def close(self) -> None:
+        """Motors off, port given back, log off (FraesEnd)."""
+        self._driver.close()
+        self.switch_log(False)
+
+    # --- commands ------------------------------------------------------------------------------
+
+    @logged
+    def jog(self, axis: str, distance_mm: float, *, clamp: bool = False) -> None:
+        """One bounded move of one axis; ``run`` makes it.
+
+        Args:
+            axis: name.
+            distance_mm: signed; not 0, at most ``jog.max_mm``.
+            clamp: stop at the soft limit instead of refusing.
+
+        Raises:
+            LimitError: if it would leave the travel, or is too long or nothing.
+            StateError: if the machine is not ready, or stands on the switch it would move into.
+        """
+        softlimits.require_jog(distance_mm, self.config.jog.max_mm)
+        motor = self.machine.index(axis)
+        moved, here = self.machine.axes[motor], self.position.position_steps[motor]
+        target = moved.to_steps(moved.to_mm(here) + distance_mm)
+        self.jog_steps(axis, target - here, clamp=clamp)
+
+    @logged
+    def jog_steps(self, axis: str, distance_steps: int, *, clamp: bool = False) -> None:
+        """The same in steps.
+
+        Raises:
+            LimitError: if it would leave the travel, or is too long or nothing.
+            StateError: if the machine is not ready, or stands on the switch it would move into.
+        """
+        self._loop.require_ready()
+        motor = self.machine.index(axis)
+        moved = self.machine.axes[motor]
+        if not distance_steps:
+            raise LimitError(f"A jog must be at least one step of {moved.step_mm:g} mm.")
+        if abs(distance_steps) > moved.to_steps(self.config.jog.max_mm):
+            softlimits.require_jog(moved.to_mm(distance_steps), self.config.jog.max_mm)
+        target = list(self.position.position_steps)
+        target[motor] += distance_steps
+        if clamp:
+            target[motor] = softlimits.within(self.position, motor, target[motor])
+        softlimits.require_reachable(self.position, [tuple(target)])
+        watch = self.switches.watch_for_jog(motor, distance_steps)
+        feed_mm_min = self.config.jog.feed_mm_min
+        line = lines.line_to(self.position, tuple(target), feed_mm_min, watch)
+        self.start(f"jog {axis.upper()}", line)
+
+    @logged
+    def move_to(
+        self,
+        targets_mm: Mapping[str, float],
+        *,
+        relative: bool = False,
+        machine_coordinates: bool = False,
+        feed_mm_min: float | None = None,
+    ) -> None:
+        """A straight line of one or several axes; ``run`` makes it.
+
+        Args:
+            targets_mm: by axis name, in work coordinates.
+            relative: as distances from here instead.
+            machine_coordinates: from machine zero instead.
+            feed_mm_min: along the line; None: as fast as the axes can.
+
+        Raises:
+            LimitError: if the target is outside the travel.
+            StateError: if the machine is not ready.
+        """
+        where = self.position
+        target = list(where.position_steps)
+        for name, value_mm in targets_mm.items():
+            motor = self.machine.index(name)
+            axis = self.machine.axes[motor]
+            softlimits.require_finite(axis, value_mm)
+            if relative:
+                value_mm += axis.to_mm(where.position_steps[motor])
+            elif not machine_coordinates:
+                value_mm += where.offset_mm[motor]
+            target[motor] = axis.to_steps(value_mm)
+        softlimits.require_feed(feed_mm_min)
+        self.check_moves([tuple(target)])
+        self.start("move", lines.line_to(where, tuple(target), feed_mm_min))
+
+    @logged
+    def run_curve(
+        self, points_mm: Sequence[Sequence[float]], feed_mm_min: float | None = None
+    ) -> None:
+        """Work through a list of points in work coordinates, straight lines in between.
+
+        Raises:
+            LimitError: if a point is outside the travel; nothing has moved then.
+            StateError: if the machine is not ready.
+        """
+        offset_mm = self.position.offset_mm
+        machine_mm = [
+            [mm + by for mm, by in zip(point_mm, offset_mm, strict=True)] for point_mm in points_mm
+        ]
+        self.drive_points("curve", machine_mm, feed_mm_min)
+
+    @logged
+    def home(self, axes: Sequence[str] = (), *, measure: bool | None = None) -> None:
+        """Reference axes, all configured ones by default; ``run`` does it.
+
+        Raises:
+            StateError: if the machine is not ready.
+        """
+        homing = self.config.homing
+        order: list[str] = [name for name in homing.order if not axes or name in axes]
+        order += [name for name in axes if name not in order]
+        measure = homing.measure if measure is None else measure
+        job = Homing(homing, self.position, self.switches, self.say, measure).job(order)
+        self.start("reference " + " ".join(name.upper() for name in order), job)
+
+    @logged
+    def set_zero(self, axes: Iterable[str], value_mm: float = 0.0) -> None:
+        """Let the present position have this work coordinate.
+
+        Raises:
+            StateError: while the machine runs.
+        """
+        self._loop.require_not_running()
+        for name in axes:
+            self.position.set_zero(name, value_mm)
+
+    @logged
+    def ignore_switches(self, ignore: bool) -> None:
+        """Let contacts stop the motors, or not (for trying things out).
+
+        Raises:
+            StateError: while the machine runs.
+        """
+        self._loop.require_not_running()
+        self.switches.ignore(ignore)
+
+    def switch_log(self, on: bool) -> None:
+        """Log on or off; from any thread.
+
+        Raises:
+            ConfigError: if the file cannot be written.
+        """
+        if self.log is not None:
+            self.log.switch(on)
+
+    def set_override(self, factor: float) -> None:
+        """Feed override, 0.1 to 2; from any thread.
+
+        A lower one acts at once, a higher one on what is not in the driver's queue yet.
+
+        Raises:
+            LimitError: if it is outside.
+        """
+        softlimits.require_override(factor)
+        self.override = factor
+        self._driver.set_override(factor)
+
+    def drive_points(
+        self,
+        name: str,
+        points_mm: Sequence[Sequence[float]],
+        feed_mm_min: float | None = None,
+    ) -> None:
+        """Straight lines through points in machine coordinates; ``run`` makes them.
+
+        Raises:
+            LimitError: if a point is outside the travel; nothing has moved then.
+            StateError: if the machine is not ready.
+        """
+        targets = [softlimits.to_steps(self.machine, point_mm) for point_mm in points_mm]
+        softlimits.require_feed(feed_mm_min)
+        self.check_moves(targets)
+        curve = lines.curve(self.position, targets, feed_mm_min)
+        self.start(name, curve, lines=len(targets))
+
+    def check_moves(self, targets: Sequence[Steps]) -> None:
+        """See that every target can be reached, before anything moves.
+
+        Raises:
+            LimitError: naming axis, target and travel.
+            StateError: if the machine is not ready, or stands on a switch.
+        """
+        self._loop.require_ready()
+        self.switches.require_open()
+        softlimits.require_reachable(self.position, targets)
+
+    # --- facts ---------------------------------------------------------------------------------
+
+    def travelled_steps(self) -> Steps:
+        """Steps made since the start, both directions added, per axis."""
+        return self._queue.report.travelled_steps
+
+    def blocks_pushed(self) -> int:
+        """Blocks of the present job given to the driver so far."""
+        return self._queue.blocks
+
+    def blocks_finished(self) -> int:
+        """Blocks of the present job that were played to their end, the one in hand left out."""
+        return self._queue.finished
+
+    def keep(self) -> SavedState:
+        """What must survive a restart."""
+        return SavedState(
+            position_steps=self.position.position_steps,
+            slack_steps=self.position.slack_steps,
+            parameters=self.position.offsets.parameters,
+            referenced=self.position.referenced,
+            phases=self._queue.report.phases,
+        )
+
+    def take_up(self, kept: SavedState) -> None:
+        """Go on where another run ended; the phases are the driver maker's business."""
+        self.position.take_up(
+            kept.position_steps, kept.slack_steps, kept.referenced, kept.parameters
+        )
+        self._queue.poll()
+
+    def state(self) -> MachineState:
+        """Everything that can be shown, as it is now. From any thread."""
+        report, where, axes = self._queue.report, self.position, self.machine.axes
+        loop = self._loop
+        position_steps, offset_mm = where.position_steps, where.offset_mm
+        position_mm = self.machine.to_mm(position_steps)
+        return MachineState(
+            status=loop.status,
+            message=loop.message,
+            axes=tuple(axis.name for axis in axes),
+            position_steps=position_steps,
+            position_mm=position_mm,
+            work_mm=tuple(mm - offset for mm, offset in zip(position_mm, offset_mm, strict=True)),
+            offset_mm=offset_mm,
+            referenced=where.referenced,
+            low_mm=tuple(axis.low_mm for axis in axes),
+            high_mm=tuple(axis.high_mm for axis in axes),
+            speed_mm_min=self._queue.mm_s() * 60,
+            running=report.running,
+            held=loop.runner.held and loop.status is Status.RUN,
+            energised=report.energised,
+            switch_closed=report.switch_closed,
+            ends=self.switches.names(),
+            switch_ignored=self.switches.ignored,
+            inputs=levels(report.inputs, STATUS_PINS),
+            job=loop.progress(),
+            log_on=self.log is not None and self.log.is_on,
+            late_ticks=report.late_ticks,
+            dry_queues=report.dry_queues,
+            question=loop.runner.question,
+            override=self.override,
+        )

@@ -1,0 +1,182 @@
+"""End switches and probe: what the inputs mean, which end was met, and what may still move.
+
+All switches hang on one input. The driver names the ends that a contact may be, from what moved;
+what is known of the position leaves out those that are far away:
+
+    driver's candidates, in motor directions --motor_sign--> axis directions --near?--> ends
+
+Rule 1: an end that a referenced position excludes is none. If that leaves nothing, nobody moved
+        into an end, and it is any of those that the position allows.
+Rule 2: on a closed switch nothing moves but a jog away from it, a reference run, and what the
+        operator lets through by ignoring switches.
+Rule 3: a probe without a pin of its own shares the end switches' input.
+"""
+
+from typing import Final
+
+from fraese.blocks import Watch, WatchAction
+from fraese.config import Config
+from fraese.config.wiring import ProbeConfig, SwitchesConfig
+from fraese.control.motionqueue import MotionQueue
+from fraese.control.position import Position
+from fraese.errors import StateError, SwitchAlarm
+from fraese.motor.pins import STATUS_PINS
+from fraese.motor.seams import End, StepDriver, SwitchMode
+
+
+def contact_bits(switches: SwitchesConfig) -> tuple[int, int]:
+    """Mask of the end switches' bit in the status register, and its value with contact."""
+    return _bits(switches.pin, bool(switches.closed_reads))
+
+
+def _probe_bits(probe: ProbeConfig, switches: SwitchesConfig) -> tuple[int, int]:
+    if probe.pin is None:
+        return contact_bits(switches)
+    return _bits(probe.pin, bool(probe.closed_reads))
+
+
+def _bits(pin: int, is_set: bool) -> tuple[int, int]:
+    mask = STATUS_PINS[pin].bit
+    return mask, mask if is_set else 0
+
+
+class EndSwitches:
+    """The end switches of one machine, and its probe.
+
+    Args:
+        config: pins and levels.
+        position: what is known of the position.
+        queue: the inputs, as last read.
+        driver: told whether a contact stops the motors.
+    """
+
+    def __init__(
+        self, config: Config, position: Position, queue: MotionQueue, driver: StepDriver
+    ) -> None:
+        self._contact = contact_bits(config.switches)
+        self._probe = _probe_bits(config.probe, config.switches)
+        self._reach_mm = 2 * config.homing.pull_off_mm
+        self._machine = position.machine
+        self._position = position
+        self._queue = queue
+        self._driver = driver
+        self.pin: Final = config.switches.pin
+        self.ignore(config.switches.mode == "ignore")
+
+    # --- the inputs ----------------------------------------------------------------------------
+
+    def watch(self, *, closed: bool, action: WatchAction) -> Watch:
+        """A watch on the end-switch input."""
+        return _watch(self._contact, closed, action)
+
+    def probe_watch(self, *, closed: bool, action: WatchAction) -> Watch:
+        """A watch on the probe input."""
+        return _watch(self._probe, closed, action)
+
+    @property
+    def probe_closed(self) -> bool:
+        """Whether the probe touches, as last read."""
+        mask, touching = self._probe
+        return self._queue.report.inputs & mask == touching
+
+    @property
+    def closed(self) -> bool:
+        """Contact, as last read."""
+        return self._queue.report.switch_closed
+
+    @property
+    def ignored(self) -> bool:
+        """Contacts do not stop the motors."""
+        return self._ignored
+
+    def ignore(self, ignored: bool) -> None:
+        """Let contacts stop the motors, or not."""
+        self._ignored = ignored
+        self._driver.set_switch_mode(SwitchMode.IGNORE if ignored else SwitchMode.STOP)
+
+    # --- which end -----------------------------------------------------------------------------
+
+    def ends(self) -> frozenset[End]:
+        """Ends that the present contact may be, in axis directions. From any thread."""
+        axes = self._machine.axes
+        candidates = frozenset(
+            End(end.motor, end.sign * axes[end.motor].motor_sign)
+            for end in self._queue.report.candidates
+        )
+        if not candidates:
+            return candidates
+        near = frozenset(
+            end
+            for motor in range(len(axes))
+            for end in (End(motor, -1), End(motor, 1))
+            if self._is_near(end)
+        )
+        return candidates & near or near or candidates
+
+    def _is_near(self, end: End) -> bool:
+        if not self._position.referenced[end.motor]:
+            return True
+        axis = self._machine.axes[end.motor]
+        limit_mm = axis.high_mm if end.sign > 0 else axis.low_mm
+        at_mm = axis.to_mm(self._position.position_steps[end.motor])
+        return (limit_mm - at_mm) * end.sign < self._reach_mm
+
+    def name(self, end: End) -> str:
+        """As in the original: xmin, xmax, ..."""
+        return self._machine.axes[end.motor].name + ("max" if end.sign > 0 else "min")
+
+    def names(self) -> tuple[str, ...]:
+        """Names of the ends that the present contact may be."""
+        return tuple(self.name(end) for end in sorted(self.ends()))
+
+    def motor_end(self, name: str) -> End:
+        """The end of that name as the driver counts it, in motor direction.
+
+        Raises:
+            ValueError: if there is no such end.
+        """
+        motor = self._machine.index(name.removesuffix("min").removesuffix("max"))
+        sign = 1 if name.endswith("max") else -1
+        return End(motor, sign * self._machine.axes[motor].motor_sign)
+
+    # --- what may move -------------------------------------------------------------------------
+
+    def require_open(self) -> None:
+        """See that no contact stands in the way.
+
+        Raises:
+            StateError: if a switch is closed, and not ignored.
+        """
+        if self.closed and not self._ignored:
+            raise StateError(
+                f"End switch {self._in_words()} is closed: jog away from it, reference the"
+                " machine, or let switches be ignored; nothing has moved."
+            )
+
+    def watch_for_jog(self, motor: int, distance_steps: int) -> Watch | None:
+        """What a jog needs in order to leave a closed switch; None: nothing is in its way.
+
+        Raises:
+            StateError: if it would not move away from the contact.
+        """
+        if not self.closed or self._ignored:
+            return None
+        ends = self.ends()
+        sign = 1 if distance_steps > 0 else -1
+        if End(motor, sign) in ends or End(motor, -sign) not in ends:
+            self.require_open()
+        return self.watch(closed=False, action=WatchAction.IGNORE)
+
+    def alarm(self) -> SwitchAlarm:
+        """What is to be said after a contact has stopped the motors."""
+        return SwitchAlarm(
+            f"End switch {self._in_words()} closed: stopped at {self._position.in_words()}."
+        )
+
+    def _in_words(self) -> str:
+        return " or ".join(self.names()) or "unknown"
+
+
+def _watch(bits: tuple[int, int], closed: bool, action: WatchAction) -> Watch:
+    mask, with_contact = bits
+    return Watch(mask, with_contact if closed else mask ^ with_contact, action)

@@ -1,0 +1,212 @@
+"""Calibration: the reference run.
+
+    position of one axis, the switch to the left
+    |<- switch
+    |   <====================  approach until contact
+    |  ====>                   back off, slowly, until it opens
+    |   <==                    second approach, slowly: the contact that counts
+    |   ======>  pull-off: here is machine zero
+
+Rule 1: contact counts are those latched at the first reading, not where the motors came to stand.
+Rule 2: every way is bounded; an end that is not found, and a switch that does not open, are errors
+        that say what to look at.
+Rule 3: closed at the start it may be any switch, or two at once in a corner. The candidates are
+        backed off one after the other, then in pairs, each way short; what did not help is undone.
+Rule 4: an axis is unreferenced from the start of its run until its zero is set.
+"""
+
+from collections.abc import Callable, Generator, Sequence
+from itertools import combinations
+
+from fraese.blocks import Block, WatchAction
+from fraese.config.work import HomingConfig
+from fraese.control.endswitches import EndSwitches
+from fraese.control.jobs import STANDSTILL, Ask, Job, Standstill
+from fraese.control.lines import axis_line
+from fraese.control.position import Position
+from fraese.errors import HomingError
+from fraese.machine import Axis
+from fraese.motor.seams import End, Ended, Report
+
+_Steps = Generator[Block | Standstill | Ask, Report, Report]
+
+
+class Homing:
+    """Reference run of one or several axes.
+
+    Args:
+        config: ways and feeds.
+        position: of the axes; position and reference are set.
+        switches: what is looked for.
+        say: told what was found.
+        measure: run to the other end too.
+    """
+
+    def __init__(
+        self,
+        config: HomingConfig,
+        position: Position,
+        switches: EndSwitches,
+        say: Callable[[str], None],
+        measure: bool,
+    ) -> None:
+        self._config = config
+        self._position = position
+        self._machine = position.machine
+        self._switches = switches
+        self._say = say
+        self._measure = measure
+
+    def job(self, axes: Sequence[str]) -> Job:
+        """The run, as a job for the run loop.
+
+        Raises:
+            HomingError: from the generator, with the motors at standstill.
+        """
+        report = yield STANDSTILL
+        if report.switch_closed:
+            yield from self._free(self._order(self._switches.ends(), axes))
+        said = []
+        for name in axes:
+            said.append((yield from self._reference(name)))
+        self._say("Referenced: " + ", ".join(said) + ".")
+
+    # --- one axis ------------------------------------------------------------------------------
+
+    def _reference(self, name: str) -> Generator[Block | Standstill | Ask, Report, str]:
+        axis = self._machine.axes[self._machine.index(name)]
+        sign = axis.home_sign
+        self._position.lose_reference([self._machine.index(name)])
+        contact = yield from self._find(axis, sign)
+        yield from self._pull_off(axis, sign, contact)
+        self._position.set_reference(name, 0)
+        if not self._measure:
+            return name.upper()
+        other = yield from self._find(axis, -sign)
+        yield from self._pull_off(axis, -sign, other)
+        zero_to_switch = axis.to_steps(self._config.pull_off_mm)
+        measured_mm = axis.to_mm(abs(other) + zero_to_switch)
+        yield from self._back_to_zero(axis)
+        return f"{name.upper()} (travel {measured_mm:.3f} mm, configured {axis.travel_mm:g} mm)"
+
+    def _back_to_zero(self, axis: Axis) -> _Steps:
+        """The other end may lie outside the soft limits; home is where a reference run ends."""
+        motor = self._machine.index(axis.name)
+        distance = -self._position.position_steps[motor]
+        yield from axis_line(self._position, motor, distance, None, None)
+        return (yield STANDSTILL)
+
+    def _find(self, axis: Axis, sign: int) -> Generator[Block | Standstill | Ask, Report, int]:
+        """Approach, back off, approach slowly; the axis position at contact, in steps."""
+        config = self._config
+        search_mm = axis.travel_mm * config.search_factor
+        end = self._name(axis, sign)
+        report = yield from self._go(axis, sign * search_mm, config.approach_mm_min, closed=True)
+        if report.ended is not Ended.WATCH:
+            raise HomingError(
+                f"End switch {end} was not found within {search_mm:g} mm: look at the switch"
+                f" and at axes.{axis.name}.travel_mm; the machine stands at"
+                f" {self._position.in_words()}."
+            )
+        yield from self._open(axis, sign)
+        report = yield from self._go(
+            axis, sign * 2 * config.back_off_max_mm, config.slow_mm_min, closed=True
+        )
+        if report.ended is not Ended.WATCH:
+            raise HomingError(
+                f"End switch {end} closed once, but not again within"
+                f" {2 * config.back_off_max_mm:g} mm: look for a loose switch or wire."
+            )
+        return self._position.latched_steps(report)[self._machine.index(axis.name)]
+
+    def _open(self, axis: Axis, sign: int) -> _Steps:
+        config = self._config
+        report = yield from self._go(
+            axis, -sign * config.back_off_max_mm, config.slow_mm_min, closed=False
+        )
+        if report.ended is not Ended.WATCH:
+            raise HomingError(
+                f"End switch {self._name(axis, sign)} does not open again within"
+                f" {config.back_off_max_mm:g} mm: {self._wire()}"
+            )
+        return report
+
+    def _pull_off(self, axis: Axis, sign: int, contact: int) -> _Steps:
+        """From the contact to the pull-off distance; the switch opens on the way."""
+        index = self._machine.index(axis.name)
+        target = contact - sign * axis.to_steps(self._config.pull_off_mm)
+        distance = target - self._position.position_steps[index]
+        watch = self._switches.watch(closed=False, action=WatchAction.IGNORE)
+        feed_mm_min = self._config.approach_mm_min
+        yield from axis_line(self._position, index, distance, feed_mm_min, watch)
+        report = yield STANDSTILL
+        if report.switch_closed:
+            raise HomingError(
+                f"End switch {self._name(axis, sign)} is still closed at the pull-off distance of"
+                f" {self._config.pull_off_mm:g} mm: make homing.pull_off_mm longer, or"
+                f" {self._wire()}"
+            )
+        return report
+
+    # --- closed at the start -------------------------------------------------------------------
+
+    def _free(self, candidates: list[End]) -> Generator[Block | Standstill | Ask, Report, None]:
+        """Back off candidates until the switch opens."""
+        reach_mm = self._config.resolve_mm
+        for size in (1, 2, 3):
+            for ends in combinations(candidates, size):
+                if len({end.motor for end in ends}) < size:
+                    continue
+                if (yield from self._try(ends, reach_mm)):
+                    return
+        names = ", ".join(self._switches.name(end) for end in candidates)
+        raise HomingError(
+            f"The end switch is closed and does not open within {reach_mm:g} mm of any of"
+            f" {names}: {self._wire()}"
+        )
+
+    def _try(
+        self, ends: tuple[End, ...], reach_mm: float
+    ) -> Generator[Block | Standstill | Ask, Report, bool]:
+        """Move away from these ends in turn; True when it opens, else everything is undone."""
+        made = []
+        for end in ends:
+            axis = self._machine.axes[end.motor]
+            before = self._position.position_steps[end.motor]
+            report = yield from self._go(
+                axis, -end.sign * reach_mm, self._config.slow_mm_min, closed=False
+            )
+            if report.ended is Ended.WATCH:
+                return True
+            made.append((axis, before - self._position.position_steps[end.motor]))
+        for axis, distance in reversed(made):
+            yield from self._go(
+                axis, axis.to_mm(distance), self._config.approach_mm_min, closed=False
+            )
+        return False
+
+    def _order(self, candidates: frozenset[End], axes: Sequence[str]) -> list[End]:
+        """Home ends of the axes to be referenced first: there a mill is left most often."""
+
+        def rank(end: End) -> tuple[bool, int, End]:
+            axis = self._machine.axes[end.motor]
+            place = axes.index(axis.name) if axis.name in axes else len(axes)
+            return (end.sign != axis.home_sign, place, end)
+
+        return sorted(candidates, key=rank)
+
+    # --- moving --------------------------------------------------------------------------------
+
+    def _go(self, axis: Axis, distance_mm: float, feed_mm_min: float, *, closed: bool) -> _Steps:
+        """Move until the switch is closed (or open), at most so far; wait for standstill."""
+        index = self._machine.index(axis.name)
+        distance = axis.to_steps(distance_mm)
+        watch = self._switches.watch(closed=closed, action=WatchAction.STOP)
+        yield from axis_line(self._position, index, distance, feed_mm_min, watch)
+        return (yield STANDSTILL)
+
+    def _name(self, axis: Axis, sign: int) -> str:
+        return self._switches.name(End(self._machine.index(axis.name), sign))
+
+    def _wire(self) -> str:
+        return f"look for a stuck switch, and at the wire to DB25 pin {self._switches.pin}."

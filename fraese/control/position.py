@@ -1,0 +1,146 @@
+"""Where the axes are, how far that can be relied on, and where the work zero lies.
+
+    driver's counts --backlash taken out--> machine position --work offset--> work position
+
+Rule 1: the driver counts motor steps; the machine's position is derived from them here, and only
+        here.
+Rule 2: every block that was played is told once and in order (``played``), then what the driver
+        reports (``seen``, ``at_rest``); ``MotionQueue`` does so, nobody else.
+Rule 3: what others read is replaced whole, so that it may be read from any thread.
+Rule 4: an axis is referenced from ``set_reference`` until something shakes it: a stop without ramp
+        at speed, or a new reference run.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from fraese.control.workoffsets import WorkOffsets
+from fraese.machine import Machine, Steps
+from fraese.motor.seams import Report
+from fraese.planner.backlash import Carriages
+
+
+class Position:
+    """Position, reference and work offsets of all axes; they begin at machine zero.
+
+    Args:
+        machine: axes and conversions.
+
+    Attributes:
+        machine: likewise.
+        position_steps: machine position at the driver's last report.
+        referenced: per axis, whether its position can be relied on.
+        offsets: the work offsets.
+    """
+
+    def __init__(self, machine: Machine) -> None:
+        axes = len(machine.axes)
+        self.machine = machine
+        self.position_steps: Steps = (0,) * axes
+        self.referenced = (False,) * axes
+        self.offsets = WorkOffsets(axes)
+        self._carriages = Carriages(machine, self.position_steps)
+        # Motor steps that the carriages have been told of.
+        self._told_steps = self.position_steps
+
+    # --- what the driver did -------------------------------------------------------------------
+
+    def count_from(self, motor_steps: Steps) -> None:
+        """What the driver has counted so far was before our time."""
+        self._told_steps = motor_steps
+
+    def played(self, motor_steps: Steps) -> None:
+        """A block was played to its end."""
+        self._carriages.advance(motor_steps)
+        self._told_steps = tuple(a + b for a, b in zip(self._told_steps, motor_steps, strict=True))
+
+    def at_rest(self, motor_steps: Steps) -> None:
+        """The queue is empty; of the last block the driver counts what was really played.
+
+        Args:
+            motor_steps: what the driver has counted so far.
+        """
+        self.played(self._untold(motor_steps))
+
+    def seen(self, motor_steps: Steps) -> None:
+        """This is what the driver has counted so far."""
+        self.position_steps = self._carriages.seen(self._untold(motor_steps))
+
+    def _untold(self, motor_steps: Steps) -> Steps:
+        return tuple(a - b for a, b in zip(motor_steps, self._told_steps, strict=True))
+
+    # --- position ------------------------------------------------------------------------------
+
+    @property
+    def slack_steps(self) -> Steps:
+        """How much of each axis' backlash lies between motor and carriage; at standstill."""
+        return self._carriages.slack_steps
+
+    def latched_steps(self, report: Report) -> Steps:
+        """Machine position at the contact that fulfilled a watch.
+
+        The motors have not turned round since, so what they did since then their axes did too.
+        """
+        latched_steps = report.latched_steps or report.position_steps
+        return tuple(
+            here - axis.motor_sign * (now - then)
+            for here, axis, now, then in zip(
+                self.position_steps,
+                self.machine.axes,
+                report.position_steps,
+                latched_steps,
+                strict=True,
+            )
+        )
+
+    def in_words(self) -> str:
+        """The machine position in words."""
+        position_mm = self.machine.to_mm(self.position_steps)
+        return " ".join(
+            f"{axis.name.upper()} {mm:.3f}"
+            for axis, mm in zip(self.machine.axes, position_mm, strict=True)
+        ) + " mm (machine)"  # fmt: skip
+
+    def take_up(
+        self,
+        position_steps: Steps,
+        slack_steps: Steps,
+        referenced: Sequence[bool],
+        parameters: Mapping[int, float],
+    ) -> None:
+        """Go on where another run ended; at standstill."""
+        self._carriages.slack_steps = slack_steps
+        self._stand_at(position_steps)
+        self.referenced = tuple(referenced)
+        self.offsets.replace(parameters)
+
+    def _stand_at(self, position_steps: Steps) -> None:
+        self._carriages.position_steps = self.position_steps = position_steps
+
+    # --- reference -----------------------------------------------------------------------------
+
+    def set_reference(self, name: str, position_steps: int) -> None:
+        """Let the present position of an axis be this one, and count it as referenced."""
+        motor = self.machine.index(name)
+        position = list(self.position_steps)
+        position[motor] = position_steps
+        self._stand_at(tuple(position))
+        self.referenced = tuple(n == motor or old for n, old in enumerate(self.referenced))
+
+    def lose_reference(self, motors: Iterable[int]) -> None:
+        """These axes are not to be relied on."""
+        lost = frozenset(motors)
+        if lost:
+            self.referenced = tuple(old and n not in lost for n, old in enumerate(self.referenced))
+
+    # --- work offsets --------------------------------------------------------------------------
+
+    @property
+    def offset_mm(self) -> tuple[float, ...]:
+        """Where the work zero lies, in machine coordinates."""
+        return self.offsets.offset_mm()
+
+    def set_zero(self, name: str, value_mm: float) -> None:
+        """Let the present position of an axis have this work coordinate."""
+        motor = self.machine.index(name)
+        at_mm = self.machine.axes[motor].to_mm(self.position_steps[motor])
+        self.offsets.set_zero(motor, at_mm, value_mm)

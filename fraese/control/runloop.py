@@ -1,0 +1,306 @@
+"""The run loop: the status, and what happens round a job from its start to motors at rest.
+
+    full display
+    while status is RUN:   poll the driver, feed its queue  ->  status
+                           break-key callback
+                           show-position callback
+    full display, motors idle
+
+Rule 1: everything runs in one thread, the one that calls ``run``; callbacks are called from it.
+Rule 2: one job at a time. An error stays until it is acknowledged; nothing starts before.
+Rule 3: however a job ends, outputs that must not outlast it are off, and what is said last names
+        the place where the machine stands.
+Rule 4: the motors keep their current for ``standstill.delay_s``, in case that another job follows.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Final
+
+from fraese.config import Config
+from fraese.control.endswitches import EndSwitches
+from fraese.control.jobs import Job
+from fraese.control.motionqueue import MotionQueue
+from fraese.control.position import Position
+from fraese.control.retract import Detour
+from fraese.control.runner import Runner
+from fraese.control.state import JobProgress, Status
+from fraese.errors import FraeseError, PortError, SilenceAlarm, StateError, StopAlarm
+from fraese.log import write as log_line
+from fraese.motor.seams import Clock, Ended, IdleLevel, StepDriver
+
+_NS_PER_S: Final = 1_000_000_000
+
+
+def _nothing() -> None:
+    """No callback registered."""
+
+
+def _unheard(message: str) -> None:
+    """Nobody to tell."""
+
+
+class RunLoop:
+    """Works off jobs, one after the other.
+
+    Args:
+        config: standstill, outputs, lead.
+        driver: what plays the blocks.
+        clock: the driver's clock.
+        queue: the driver's queue.
+        position: where it ended; references are lost by a stop without ramp.
+        switches: which end stopped it.
+        slice_s: how long one poll of the driver may take, s.
+
+    Attributes:
+        runner: the inner half.
+        status: OK, RUN, CANCEL or ERROR.
+        message: the last thing that a person should know; empty if there is none.
+        error: what the last job failed with, if it did.
+    """
+
+    def __init__(
+        self,
+        config: Config,
+        driver: StepDriver,
+        clock: Clock,
+        queue: MotionQueue,
+        position: Position,
+        switches: EndSwitches,
+        slice_s: float,
+    ) -> None:
+        self._config = config
+        self._driver = driver
+        self._clock = clock
+        self._queue = queue
+        self._position = position
+        self._switches = switches
+        self._slice_ns = round(slice_s * _NS_PER_S)
+        self._display: Callable[[], None] = _nothing
+        self._show_pos: Callable[[], None] = _nothing
+        self._break_key: Callable[[], None] = _nothing
+        self._tell: Callable[[str], None] = _unheard
+        self.status = Status.OK
+        self.message = ""
+        self.error: FraeseError | None = None
+        self._progress: JobProgress | None = None
+        self._job_from_ns = 0
+        self._late_before = self._dry_before = 0
+        self._idle_at_ns: int | None = None
+        axes = position.machine.axes
+        braking_s = max(axis.max_rate_hz / axis.acceleration_hz_s for axis in axes)
+        lead_s = max(config.run.lead_s, braking_s + 2 * slice_s)
+        self.runner = Runner(driver, queue, lead_s, slice_s)
+
+    # --- callbacks -----------------------------------------------------------------------------
+
+    def set_display(self, procedure: Callable[[], None]) -> None:
+        """Register the full display; called in the run loop's thread."""
+        self._display = procedure
+
+    def set_show_pos(self, procedure: Callable[[], None]) -> None:
+        """Register the position display; called in the run loop's thread after every slice."""
+        self._show_pos = procedure
+
+    def set_break_key(self, procedure: Callable[[], None]) -> None:
+        """Register the query for a break key; called in the run loop's thread after every slice.
+
+        It calls ``cancel`` or ``stop`` when the operator wants that.
+        """
+        self._break_key = procedure
+
+    def set_tell(self, procedure: Callable[[str], None]) -> None:
+        """Register who is told every message; called in the run loop's thread."""
+        self._tell = procedure
+
+    # --- jobs ----------------------------------------------------------------------------------
+
+    def run(self) -> Status:
+        """Work off what was commanded; returns the status in which it ended."""
+        if self.status is not Status.RUN:
+            return self.status
+        log_line("controller", "run", "entry", self._progress.name if self._progress else "")
+        self._display()
+        try:
+            while self.status is Status.RUN:
+                self.status = self._activate()
+                self._break_key()
+                self._show_pos()
+            self._conclude()
+            self._display()
+            self._halt_motors()
+        except PortError as error:
+            self._lose_port(error)
+            self._display()
+        except BaseException as error:
+            self._give_up(error)
+            raise
+        log_line("controller", "run", "exit", f"{self.status.value} {self._position.in_words()}")
+        return self.status
+
+    def idle(self, elapsed_s: float = 0.0) -> None:
+        """Between jobs: look at the inputs, and switch the current off when its time has come.
+
+        Args:
+            elapsed_s: how long the caller has waited since the last call; a clock that only moves
+                when somebody waits is moved on by it.
+        """
+        self._clock.pass_by(round(elapsed_s * _NS_PER_S))
+        self._queue.poll()
+        if self._idle_at_ns is not None and self._clock.now_ns() >= self._idle_at_ns:
+            self._idle_at_ns = None
+            self._driver.idle(IdleLevel(self._config.standstill.current))
+            self._queue.poll()
+
+    def start(
+        self,
+        name: str,
+        job: Job,
+        lines: int = 0,
+        expected_s: float = 0.0,
+        detour: Detour | None = None,
+    ) -> None:
+        """Take up a job; ``run`` works it off.
+
+        Args:
+            name: for people.
+            job: what to do.
+            lines: how many lines it has, for the progress.
+            expected_s: planned duration, likewise.
+            detour: where to go while it is held; None: stay.
+
+        Raises:
+            StateError: if another one runs, or an error has not been acknowledged.
+        """
+        self.require_ready()
+        self.message = ""
+        self.error = None
+        self._idle_at_ns = None
+        self._progress = JobProgress(name, lines=lines, expected_s=expected_s)
+        self._job_from_ns = self._clock.now_ns()
+        self._late_before = self._queue.report.late_ticks
+        self._dry_before = self._queue.report.dry_queues
+        self.runner.start(job, detour)
+        self.status = Status.RUN
+
+    def acknowledge(self) -> None:
+        """Take note of an error or cancel; back to OK."""
+        if self.status in (Status.ERROR, Status.CANCEL):
+            self.status = Status.OK
+
+    def require_ready(self) -> None:
+        """See that a command may be given; then the inputs are known.
+
+        Raises:
+            StateError: if a job runs, or an error has not been acknowledged.
+        """
+        self.require_not_running()
+        if self.status is Status.ERROR:
+            raise StateError(f"Acknowledge the error first: {self.message}")
+        # Somebody may have moved a carriage, or pressed a switch, since the last look.
+        self._queue.look_around(self._config.switches.readings)
+
+    def require_not_running(self) -> None:
+        """See that nothing runs.
+
+        Raises:
+            StateError: if a job does.
+        """
+        if self.status is Status.RUN:
+            raise StateError("The machine runs: cancel or wait for the end of the job first.")
+
+    def say(self, message: str) -> None:
+        """Show a message."""
+        self.message = message
+        self._tell(message)
+
+    def progress(self) -> JobProgress | None:
+        """The job in hand, or the last one as it ended. From any thread."""
+        if self._progress is None or self.status is not Status.RUN:
+            return self._progress
+        return self._progress_now(self._progress)
+
+    def _activate(self) -> Status:
+        status = self.runner.activate()
+        if status is Status.RUN and self.runner.waits:
+            # Nothing passes the time for us: the driver has nothing to play.
+            self._clock.wait_until(self._clock.now_ns() + self._slice_ns)
+        return status
+
+    def _give_up(self, error: BaseException) -> None:
+        """Something was raised that no job raises: the job is over, the motors stop."""
+        self.runner.abandon()
+        self.status = Status.ERROR
+        self.message = f"Stopped by an error: {error!r}."
+
+    def _lose_port(self, error: PortError) -> None:
+        """The metal went away under the job: nobody knows what the motors did last."""
+        self.runner.abandon()
+        self._position.lose_reference(range(len(self._position.machine.axes)))
+        self._idle_at_ns = None
+        self.status = Status.ERROR
+        self.error = error
+        self.message = str(error)
+        self._keep_progress()
+
+    def _conclude(self) -> None:
+        """Say how the job ended."""
+        if self.status is Status.CANCEL:
+            self.message = f"Cancelled at {self._position.in_words()}."
+            if self._queue.report.torn:
+                self.message += " Stopped without ramp: reference the axes before relying on it."
+        elif self.status is Status.ERROR:
+            self.error = self.runner.failure or self._alarm()
+            self.message = str(self.error)
+        self._own_up()
+        # Cutting ends with the job; what was cancelled or failed also leaves no spindle running.
+        ended = ("laser",) if self.status is Status.OK else ("laser", "spindle", "coolant")
+        mask = self._config.outputs.mask(*ended)
+        if mask:
+            self._driver.set_outputs(mask, 0)
+        self._keep_progress()
+
+    def _keep_progress(self) -> None:
+        if self._progress is not None:
+            self._progress = self._progress_now(self._progress)
+
+    def _own_up(self) -> None:
+        """What the motors felt and nobody asked for: dry queues, late steps."""
+        report = self._queue.report
+        late, dry = report.late_ticks - self._late_before, report.dry_queues - self._dry_before
+        said = []
+        if dry:
+            said.append(f"The queue ran dry {dry} times: the motors braked and waited.")
+        if late:
+            said.append(f"{late} ticks came late by more than a quarter of their interval.")
+        if said:
+            self.say(" ".join([self.message, *said]).strip())
+
+    def _alarm(self) -> FraeseError:
+        ended, where = self._queue.report.ended, self._position.in_words()
+        if ended is Ended.SILENCE:
+            return SilenceAlarm(
+                "The program did not look after the motors for too long; they were braked and"
+                f" switched off at {where}."
+            )
+        if ended is Ended.STOP:
+            return StopAlarm(
+                f"The motors stopped at {where}, and nobody here had asked for it: look at the line"
+                " and at who else uses it."
+            )
+        return self._switches.alarm()
+
+    def _halt_motors(self) -> None:
+        """HaltMotoren: current off or down, now or later."""
+        delay_s = self._config.standstill.delay_s
+        self._idle_at_ns = self._clock.now_ns() + round(delay_s * _NS_PER_S)
+        if not delay_s:
+            self.idle()
+
+    def _progress_now(self, progress: JobProgress) -> JobProgress:
+        return replace(
+            progress,
+            line=self._queue.report.tag,
+            blocks=self._queue.blocks,
+            elapsed_s=(self._clock.now_ns() - self._job_from_ns) / _NS_PER_S,
+        )

@@ -1,0 +1,222 @@
+"""The inner half of the run loop: one job, one driver.
+
+    job --blocks--> pending --push--> driver's queue --poll--> report --> job
+
+Rule 1: the queue is kept filled to ``lead_s`` of motion, not to its capacity, so that what the
+        operator changes is felt soon.
+Rule 2: ``cancel``, ``stop``, ``hold``, ``resume`` and ``answer`` set flags, from any thread; the
+        first two and ``hold`` reach the driver at once.
+Rule 3: a job ends in exactly one way: done, cancelled, stopped by a switch, or failed. However it
+        ends, the queue is empty and the motors stand.
+"""
+
+from fraese.blocks import Block
+from fraese.control.jobs import Ask, Job, Standstill
+from fraese.control.motionqueue import MotionQueue
+from fraese.control.retract import Aside, Detour
+from fraese.control.state import Status
+from fraese.errors import FraeseError
+from fraese.motor.seams import Ended, Report, StepDriver
+
+
+class Runner:
+    """Feeds one job to the driver.
+
+    Args:
+        driver: what plays the blocks.
+        queue: its queue.
+        lead_s: motion to keep in the queue.
+        slice_s: how long one poll may take.
+
+    Attributes:
+        failure: what the job failed with, if it did.
+        question: what the operator is asked now; empty if nothing.
+    """
+
+    def __init__(
+        self, driver: StepDriver, queue: MotionQueue, lead_s: float, slice_s: float
+    ) -> None:
+        self._driver = driver
+        self._queue = queue
+        self._lead_s = lead_s
+        self._slice_s = slice_s
+        self.failure: FraeseError | None = None
+        self.question = ""
+        self._job: Job | None = None
+        self._begun = False
+        self._aside: Aside | None = None
+        self._pending: Block | None = None
+        self._wait: Standstill | Ask | None = None
+        self._cancel = False
+        self._stop = False
+        self._held = False
+        self._resume = False
+        self._answered = False
+
+    # --- from any thread -----------------------------------------------------------------------
+
+    def cancel(self) -> None:
+        """Brake, then drop the rest."""
+        self._cancel = True
+        self._driver.brake()
+
+    def stop(self) -> None:
+        """Finish the tick in hand, drop the rest: no ramp."""
+        self._stop = True
+        self._driver.stop()
+
+    def hold(self) -> None:
+        """Brake and wait."""
+        self._resume = False
+        self._held = True
+        self._driver.brake()
+
+    def resume(self) -> None:
+        """Go on after a hold."""
+        self._resume = True
+
+    def answer(self) -> None:
+        """The operator has done what was asked; nothing without a question."""
+        if self.question:
+            self._answered = True
+
+    @property
+    def cancelling(self) -> bool:
+        """A cancel or stop of this job was asked for."""
+        return self._cancel or self._stop
+
+    @property
+    def holding(self) -> bool:
+        """A hold of this job was asked for and not lifted."""
+        return self._held and not self._resume
+
+    # --- from the run loop's thread ------------------------------------------------------------
+
+    def start(self, job: Job, detour: Detour | None = None) -> None:
+        """Take up a job; it begins at the next ``activate``.
+
+        Args:
+            job: what to do.
+            detour: where to go while it is held; None: stay.
+        """
+        self._queue.begin()
+        self._aside = Aside(self._driver, self._queue, detour) if detour is not None else None
+        self._job = job
+        self._begun = False
+        self.failure = None
+        self._cancel = self._stop = self._held = self._resume = self._answered = False
+
+    def activate(self) -> Status:
+        """One round: feed the queue, play a slice, see how it stands (ActivateMotoren)."""
+        if self._held and self._aside is not None:
+            ends = self._cancel or self._stop
+            if not ends and self._aside.step(go_on=self._resume):
+                self._go_on()
+        elif self._resume:
+            self._go_on()
+        try:
+            self._feed()
+        except FraeseError as error:
+            self.failure = error
+            self._job = None
+            self.cancel()
+        self._remind()
+        return self._judge(self._queue.poll(self._slice_s))
+
+    def _remind(self) -> None:
+        """A flush on the way aside may have wiped the driver's flag just after it was set."""
+        if self._stop:
+            self._driver.stop()
+        elif self._cancel:
+            self._driver.brake()
+
+    def abandon(self) -> None:
+        """Something unforeseen happened: the job is dropped, the motors stop at the next poll."""
+        self._job = self._pending = self._wait = None
+        self.question = ""
+        self._driver.stop()
+
+    @property
+    def waits(self) -> bool:
+        """Nothing moves until a person does something."""
+        return self.held or bool(self.question)
+
+    @property
+    def held(self) -> bool:
+        """The motors stand, on the path or aside, and the job waits."""
+        return self._queue.report.held or (self._aside is not None and self._aside.is_away)
+
+    def _go_on(self) -> None:
+        """Resume, unless somebody has cancelled since; also if he does it at this moment."""
+        self._resume = self._held = False
+        if not self._cancel:
+            self._driver.resume()
+        if self._cancel or self._held:
+            self._driver.brake()
+
+    def _feed(self) -> None:
+        if not self._held and self._aside is not None and not self._aside.give_back():
+            return
+        ahead_s = self._queue.duration_s()
+        while self._job is not None and not (self._held or self._cancel or self._stop):
+            if self._pending is not None:
+                if ahead_s >= self._lead_s:
+                    return
+                added_s = self._queue.push(self._pending)
+                if added_s is None:
+                    return
+                ahead_s += added_s
+            elif self._wait is not None and not self._is_over(self._wait):
+                return
+            self._pending = self._wait = None
+            self._advance(self._job)
+
+    def _advance(self, job: Job) -> None:
+        try:
+            demand = job.send(self._queue.report) if self._begun else next(job)
+            self._begun = True
+        except StopIteration:
+            self._job = None
+            return
+        if isinstance(demand, Block):
+            self._pending = demand
+        else:
+            self._wait = demand
+
+    def _is_over(self, wait: Standstill | Ask) -> bool:
+        if not self._queue.is_fresh or self._queue.report.queued:
+            return False
+        if isinstance(wait, Ask):
+            if not self.question:
+                self._answered = False
+                self.question = wait.question
+            if not self._answered:
+                return False
+        self.question = ""
+        return True
+
+    def _judge(self, report: Report) -> Status:
+        if self._queue.has_begun and self._is_alarm(report.ended):
+            return self._end(Status.ERROR)
+        if self._stop and not report.running:
+            return self._end(Status.CANCEL)
+        if self._cancel and not report.running:
+            self._driver.flush()
+            return self._end(Status.ERROR if self.failure else Status.CANCEL)
+        owed = self._pending is not None or (self._aside is not None and self._aside.is_owed)
+        if self._job is None and not owed and not report.queued and not self._cancel:
+            return self._end(Status.OK)
+        return Status.RUN
+
+    def _is_alarm(self, ended: Ended) -> bool:
+        # What follows a stop that nobody asked for would be made from the wrong place.
+        stray = ended is Ended.STOP and not self._stop
+        return stray or ended in (Ended.SWITCH, Ended.SILENCE)
+
+    def _end(self, status: Status) -> Status:
+        if self._job is not None:
+            self._job.close()
+        self._job = self._pending = self._wait = None
+        self.question = ""
+        self._queue.poll()
+        return status

@@ -1,0 +1,129 @@
+"""What a command may ask for: soft limits, and numbers that make sense.
+
+Rule 1: everything is refused before anything moves, in one sentence that names axis, value and
+        what would be right.
+Rule 2: a referenced axis stays within its soft limits; one that stands beyond a limit may come
+        back, but not go further.
+Rule 3: nobody knows where an unreferenced axis is: no single move is longer than its whole travel.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+
+from fraese.control.position import Position
+from fraese.errors import LimitError
+from fraese.machine import Axis, Machine, Steps
+
+
+def require_reachable(position: Position, targets: Iterable[Steps]) -> None:
+    """See that every target can be reached from here.
+
+    Raises:
+        LimitError: naming axis, target and travel.
+    """
+    for target in targets:
+        for motor, axis in enumerate(position.machine.axes):
+            here, there = position.position_steps[motor], target[motor]
+            if there == here:
+                continue
+            if position.referenced[motor]:
+                low, high = limits_steps(position, motor)
+                if not low <= there <= high:
+                    raise LimitError(_outside(axis, there, position.offset_mm[motor]))
+            elif abs(there - here) > axis.travel_mm * axis.steps_per_mm:
+                raise LimitError(
+                    f"{axis.name.upper()} would move {abs(axis.to_mm(there - here)):.3f} mm,"
+                    f" further than its whole travel of {axis.travel_mm:g} mm."
+                )
+
+
+def within(position: Position, motor: int, target_steps: int) -> int:
+    """The target, or the soft limit before it.
+
+    Raises:
+        LimitError: if the axis stands at that limit already.
+    """
+    if not position.referenced[motor]:
+        return target_steps
+    low, high = limits_steps(position, motor)
+    target_steps = min(max(target_steps, low), high)
+    if target_steps == position.position_steps[motor]:
+        name = position.machine.axes[motor].name
+        raise LimitError(f"{name.upper()} stands at its soft limit.")
+    return target_steps
+
+
+def limits_steps(position: Position, motor: int) -> tuple[int, int]:
+    """Soft limits of an axis, or where it stands beyond one."""
+    axis, here = position.machine.axes[motor], position.position_steps[motor]
+    return min(axis.to_steps(axis.low_mm), here), max(axis.to_steps(axis.high_mm), here)
+
+
+def outside_travel(axis: Axis, value_mm: float) -> str:
+    """The sentence, without its end, for a position in machine coordinates."""
+    return (
+        f"{axis.name.upper()} {value_mm:.3f} mm is outside the travel, {axis.low_mm:g} to"
+        f" {axis.high_mm:g} mm in machine coordinates"
+    )
+
+
+def _outside(axis: Axis, target_steps: int, offset_mm: float) -> str:
+    work = (
+        f" (work {axis.low_mm - offset_mm:.3f} to {axis.high_mm - offset_mm:.3f})"
+        if offset_mm
+        else ""
+    )
+    return f"{outside_travel(axis, axis.to_mm(target_steps))}{work}."
+
+
+def require_jog(distance_mm: float, longest_mm: float) -> None:
+    """See that a jog is bounded.
+
+    Raises:
+        LimitError: if it is too long or nothing.
+    """
+    if not 0 < abs(distance_mm) <= longest_mm:
+        raise LimitError(
+            f"A jog must be longer than 0 and at most {longest_mm:g} mm, not {distance_mm:g} mm."
+        )
+
+
+def to_steps(machine: Machine, point_mm: Sequence[float]) -> Steps:
+    """A point in machine coordinates.
+
+    Raises:
+        LimitError: if it has a coordinate that is not a number.
+    """
+    for axis, mm in zip(machine.axes, point_mm, strict=True):
+        require_finite(axis, mm)
+    return machine.to_steps(tuple(point_mm))
+
+
+def require_finite(axis: Axis, value_mm: float) -> None:
+    """See that a coordinate is a number.
+
+    Raises:
+        LimitError: if it is not.
+    """
+    if not math.isfinite(value_mm):
+        raise LimitError(f"{axis.name.upper()} needs a number in mm, not {value_mm}.")
+
+
+def require_feed(feed_mm_min: float | None) -> None:
+    """See that a feed moves something.
+
+    Raises:
+        LimitError: if it does not.
+    """
+    if feed_mm_min is not None and not feed_mm_min > 0:
+        raise LimitError(f"A feed is above 0 mm/min, not {feed_mm_min:g}.")
+
+
+def require_override(factor: float) -> None:
+    """See that a feed override is one.
+
+    Raises:
+        LimitError: if it is outside 10 to 200 %.
+    """
+    if not 0.1 <= factor <= 2:
+        raise LimitError(f"A feed override is 10 to 200 %, not {factor * 100:g} %.")

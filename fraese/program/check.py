@@ -1,0 +1,244 @@
+"""A program looked through without motors: everything but the steps.
+
+Rule 1: the same interpreter and the same planner as for the run; nothing is estimated.
+Rule 2: what leaves the travel is a warning here, with its line; who wants to run the program
+        refuses it.
+Rule 3: memory does not grow with the length of the file.
+"""
+
+import math
+import pickle
+import subprocess
+import sys
+from collections.abc import Generator, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from fraese.blocks import Block
+from fraese.control.softlimits import outside_travel
+from fraese.errors import LimitError, ProgramError
+from fraese.gcode import canon
+from fraese.gcode.extents import arc_extent
+from fraese.machine import Millimetres
+from fraese.motor.seams import Report
+from fraese.planner.lines import planned_s
+from fraese.program.context import ProgramContext
+from fraese.program.source import ProgramSource
+from fraese.program.translate import Moves, Translation
+
+#: More are counted, not kept.
+_MOST_WARNINGS: Final = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Complaint:
+    """Something wrong, and the line; 0 where no line applies."""
+
+    line: int
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What is known of a program before it runs.
+
+    Attributes:
+        errors: why it is refused; empty: it can run.
+        outside: where it leaves the travel.
+        low_mm: corners of the bounding box of all moves, machine coordinates; None: no moves.
+        high_mm: likewise.
+        duration_s: planned time, pauses and operators left out; 0 if it was not planned.
+        length_mm: way of the tool.
+        lines: lines read.
+        blocks: blocks planned; 0 if it was not planned.
+    """
+
+    errors: tuple[Complaint, ...]
+    outside: tuple[Complaint, ...]
+    low_mm: Millimetres | None
+    high_mm: Millimetres | None
+    duration_s: float
+    length_mm: float
+    lines: int
+    blocks: int
+
+    @property
+    def ok(self) -> bool:
+        """It can be run as far as the language goes."""
+        return not self.errors
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What leaves the travel, in sentences."""
+        return tuple(f"line {item.line}: {item.message}" for item in self.outside)
+
+
+@dataclass
+class Survey:
+    """Sums up moves as they pass."""
+
+    context: ProgramContext
+    low: list[float] = field(default_factory=lambda: [math.inf] * 3)
+    high: list[float] = field(default_factory=lambda: [-math.inf] * 3)
+    length_mm: float = 0.0
+    outside: list[Complaint] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        machine = self.context.machine
+        self._at: canon.Point = self._start()
+        self._limits_steps = [
+            (axis.to_steps(axis.low_mm), axis.to_steps(axis.high_mm)) for axis in machine.axes
+        ]
+
+    def _start(self) -> canon.Point:
+        x_mm, y_mm, z_mm = self.context.machine.to_mm(self.context.start_steps)
+        return (x_mm, y_mm, z_mm)
+
+    def watch(self, moves: Moves) -> Moves:
+        """Pass everything on, both ways."""
+        facts: canon.Facts | None = None
+        kinds = canon.MOTIONS
+        while True:
+            try:
+                move = moves.send(facts)
+            except StopIteration:
+                return
+            if type(move) in kinds:
+                self._take(move)
+            facts = yield move
+
+    def guard(self, moves: Moves, file: str) -> Moves:
+        """The same for a run: what a look through could not know (a probe) is refused here.
+
+        Raises:
+            LimitError: a move leaves the travel; it is not passed on.
+        """
+        facts: canon.Facts | None = None
+        watched = self.watch(moves)
+        while True:
+            try:
+                move = watched.send(facts)
+            except StopIteration:
+                return
+            if self.outside:
+                at = self.outside[0]
+                raise LimitError(f"{file}, line {at.line}: {at.message}")
+            facts = yield move
+
+    def _take(self, move: canon.Move) -> None:
+        if isinstance(move, canon.Arc):
+            low, high, length_mm = arc_extent(self._at, move)
+        else:
+            to = move.to  # type: ignore[union-attr]
+            if to == self._at:
+                # A motion code alone on its line: canonical, but it goes nowhere.
+                return
+            low = high = to
+            length_mm = math.dist(self._at, to)
+        before = self._at
+        self._at = move.to  # type: ignore[union-attr]
+        self.length_mm += length_mm
+        for i in range(3):
+            if low[i] < self.low[i]:
+                self.low[i] = low[i]
+                # An axis that stands outside and is not moved harms nothing.
+                if low[i] < before[i]:
+                    self._check(i, low[i], move.line)
+            if high[i] > self.high[i]:
+                self.high[i] = high[i]
+                if high[i] > before[i]:
+                    self._check(i, high[i], move.line)
+
+    def _check(self, index: int, value_mm: float, line: int) -> None:
+        """A new extreme: is it still inside?"""
+        axis = self.context.machine.axes[index]
+        if len(self.outside) >= _MOST_WARNINGS:
+            return
+        if self.context.referenced[index]:
+            low_steps, high_steps = self._limits_steps[index]
+            inside = axis.low_mm <= value_mm <= axis.high_mm
+            # What is a little outside may still round onto the limit.
+            if not inside and not low_steps <= axis.to_steps(value_mm) <= high_steps:
+                self.outside.append(Complaint(line, f"{outside_travel(axis, value_mm)}."))
+            return
+        at_mm = self._start()[index]
+        span_mm = max(self.high[index], at_mm) - min(self.low[index], at_mm)
+        if span_mm > axis.travel_mm + axis.step_mm:
+            self.outside.append(
+                Complaint(
+                    line,
+                    f"{axis.name.upper()} would move over {span_mm:.3f} mm, more than its whole"
+                    f" travel of {axis.travel_mm:g} mm.",
+                )
+            )
+
+
+def check_program(path: Path, context: ProgramContext, *, plan: bool = True) -> Facts:
+    """Look a program through.
+
+    Args:
+        path: the file.
+        context: the machine as the program finds it.
+        plan: plan the motion too; else duration and blocks stay 0.
+    """
+    survey = Survey(context)
+    source = ProgramSource(path, context)
+    errors: list[Complaint] = []
+    duration_s, blocks = 0.0, 0
+    try:
+        moves = survey.watch(source.moves())
+        if plan:
+            for block in _planned(Translation(context, None), moves):
+                duration_s += planned_s(block)
+                blocks += 1
+        else:
+            for _ in moves:
+                pass
+    except ProgramError as error:
+        errors.append(Complaint(error.line, error.message))
+    moved = survey.low[0] <= survey.high[0]
+    return Facts(
+        errors=tuple(errors),
+        outside=tuple(survey.outside),
+        low_mm=tuple(survey.low) if moved else None,
+        high_mm=tuple(survey.high) if moved else None,
+        duration_s=duration_s,
+        length_mm=survey.length_mm,
+        lines=source.lines_read,
+        blocks=blocks,
+    )
+
+
+def check_apart(path: Path, context: ProgramContext, *, plan: bool = True) -> Facts:
+    """The same in a process of its own, so that this one's threads are not disturbed.
+
+    A plain subprocess: under an app, which has taken the terminal's streams, a pool cannot start.
+
+    Raises:
+        ProgramError: if the process died.
+    """
+    done = subprocess.run(
+        [sys.executable, "-c", f"from {__name__} import answer; answer()"],
+        input=pickle.dumps((path, context, plan)),
+        capture_output=True,
+        check=False,
+    )
+    if done.returncode:
+        raise ProgramError("looking it through ended unexpectedly; try again", file=str(path))
+    facts: Facts = pickle.loads(done.stdout)
+    return facts
+
+
+def answer() -> None:
+    """The other side of ``check_apart``: a question on standard input, facts on its output."""
+    path, context, plan = pickle.load(sys.stdin.buffer)
+    pickle.dump(check_program(path, context, plan=plan), sys.stdout.buffer)
+
+
+def _planned(translation: Translation, moves: Moves) -> Iterator[Block]:
+    """The blocks of a job that waits for nothing."""
+    job: Generator[object, Report | None, None] = translation.blocks(moves)  # type: ignore[assignment]
+    for demand in job:
+        if isinstance(demand, Block):
+            yield demand

@@ -1,0 +1,67 @@
+"""Which work offsets hold where: an interpreter reads ahead of the motors.
+
+    read     G54 .......... G55 ...... G92 ......
+    blocks   1  2  3  4  5  6  7  8  9  10           entries: (0, G54) (5, G55) (9, G92)
+    played   ---------^                              in force: G54
+
+Rule 1: what was read ahead but not reached does not count: a program that is cancelled leaves the
+        offsets of the block at which it ended.
+"""
+
+from collections import deque
+
+from fraese.control.controller import Controller
+from fraese.gcode import canon
+from fraese.program.source import ProgramSource
+from fraese.program.translate import Moves, Translation
+
+
+class OffsetHistory:
+    """Which offsets hold where: what was read ahead but not reached does not count.
+
+    Args:
+        controller: knows how many blocks were played.
+        source: where the offsets come from.
+        translation: what lies between.
+    """
+
+    def __init__(
+        self, controller: Controller, source: ProgramSource, translation: Translation
+    ) -> None:
+        self._controller = controller
+        self._source = source
+        self._planner = translation.planner
+        # Blocks before a change, and the parameters from there on.
+        self._entries = deque([(0, dict(controller.position.offsets.parameters))])
+
+    def watch(self, moves: Moves) -> Moves:
+        """Pass everything on, both ways; note changes."""
+        facts: canon.Facts | None = None
+        changes = self._source.changes
+        while True:
+            try:
+                move = moves.send(facts)
+            except StopIteration:
+                return
+            if self._source.changes != changes:
+                changes = self._source.changes
+                self._note(self._controller.blocks_pushed() + self._planner.pending)
+            facts = yield move
+
+    def _note(self, blocks: int) -> None:
+        self._forget_passed()
+        self._entries.append((blocks, self._source.parameters()))
+
+    def _forget_passed(self) -> None:
+        finished = self._controller.blocks_finished()
+        while len(self._entries) > 1 and self._entries[1][0] <= finished:
+            self._entries.popleft()
+
+    def close(self) -> None:
+        """The program was played to its end."""
+        self._entries = deque([(0, self._source.parameters())])
+
+    def in_force(self) -> dict[int, float]:
+        """The parameters where the machine stands."""
+        self._forget_passed()
+        return self._entries[0][1]

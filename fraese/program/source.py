@@ -1,0 +1,87 @@
+"""A program file as a source of moves, of whichever kind it is."""
+
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+from fraese.errors import ProgramError
+from fraese.gcode.coordlist import read_points
+from fraese.gcode.interpreter import Interpreter
+from fraese.gcode.reader import kind_of
+from fraese.gcode.state import ModalState
+from fraese.gcode.text import read_lines
+from fraese.program.context import ProgramContext
+from fraese.program.translate import Moves
+
+
+def require_readable(path: Path) -> None:
+    """See that there is a file.
+
+    Raises:
+        ProgramError: naming it, if there is nothing to read.
+    """
+    if not path.is_file():
+        raise ProgramError("there is no such file.", file=str(path))
+    try:
+        with path.open("rb"):
+            pass
+    except OSError as error:
+        raise ProgramError(f"cannot be read: {error.strerror}.", file=str(path)) from error
+
+
+class ProgramSource:
+    """One reading of one file.
+
+    Args:
+        path: G-code, or a list of coordinates.
+        context: the machine as the program finds it.
+
+    Attributes:
+        lines_read: so far.
+        start_mm: where the machine stands before the first move.
+        default_feed_mm_min: for straight moves that have none.
+    """
+
+    def __init__(self, path: Path, context: ProgramContext) -> None:
+        self._path = path
+        self._context = context
+        self._setup = context.setup(path)
+        self._interpreter = Interpreter(self._setup)
+        self.lines_read = 0
+        self.start_mm = self._setup.position_mm
+        self.default_feed_mm_min = context.config.run.default_feed_mm_min
+
+    def moves(self) -> Moves:
+        """The canonical moves; barriers want an answer.
+
+        Raises:
+            ProgramError: the file cannot be read, or a line is refused.
+        """
+        require_readable(self._path)
+        with closing(read_lines(self._path, self._setup.file)) as file_lines:
+            lines = self._counted(file_lines)
+            if kind_of(self._path) == "gcode":
+                yield from self._interpreter.run(lines)
+            else:
+                unit = self._context.config.run.list_unit
+                points = read_points(lines, self._setup, unit, self.default_feed_mm_min)
+                for point in points:
+                    yield point
+
+    def parameters(self) -> dict[int, float]:
+        """What the program left of the persistent parameters."""
+        return self._interpreter.parameters.persistent()
+
+    @property
+    def changes(self) -> int:
+        """Counts the changes of those."""
+        return self._interpreter.parameters.changes
+
+    def modal_state(self) -> ModalState:
+        """What is in force behind the last line read."""
+        return self._interpreter.modal_state()
+
+    def _counted(self, lines: Iterator[str]) -> Iterator[str]:
+        for line in lines:
+            self.lines_read += 1
+            yield line

@@ -1,0 +1,259 @@
+"""Canonical moves to blocks: the interpreter's words in the planner's hands.
+
+Rule 1: one row a kind of move, in ``_ROWS``; each gives blocks, waits, or both, as a job does.
+Rule 2: a barrier is planned to rest, waited for, and answered with what the machine found.
+        Without a controller (a check) nothing waits: everything goes as commanded.
+Rule 3: outputs that hang on nothing are switched by hand: the operator is told, never refused.
+Rule 4: a probe that shares the end switches' input still touches when its move has ended. Until it
+        is free, moves away from the contact or along it are let through, none further in.
+"""
+
+from collections.abc import Callable, Generator, Iterable
+from typing import Any, Final
+
+from fraese.blocks import Block, WatchAction
+from fraese.control.controller import Controller
+from fraese.control.jobs import STANDSTILL, Ask, Job, Standstill
+from fraese.errors import ProbeError
+from fraese.gcode import canon
+from fraese.motor.seams import Ended, Report
+from fraese.planner.planner import Planner
+from fraese.program.context import ProgramContext
+
+Moves = Generator[canon.Move, canon.Facts | None, None]
+Part = Generator[Block | Standstill | Ask, Report, canon.Facts | None]
+
+_DIRECTIONS: Final = {1: "clockwise", -1: "counter-clockwise"}
+
+
+class Translation:
+    """Plans the moves of one program.
+
+    Args:
+        context: the machine as the program finds it.
+        controller: told, asked and watched; None for a check.
+    """
+
+    def __init__(self, context: ProgramContext, controller: Controller | None) -> None:
+        self._context = context
+        self._controller = controller
+        self._override = 1.0
+        self._may_override = True
+        self._probed_way: tuple[float, ...] = ()
+        self.planner = Planner(
+            context.machine, context.start_steps, context.options(), context.slack_steps
+        )
+
+    def blocks(self, moves: Moves) -> Job:
+        """A job of all moves; ends at rest, everything pushed but not yet played.
+
+        Raises:
+            ProgramError: a line is refused, from the interpreter.
+            ProbeError: a probe touches never, or already.
+        """
+        line, rows = self.planner.line, _ROWS
+        feed, rapid = canon.Feed, canon.Rapid
+        facts: canon.Facts | None = None
+        while True:
+            try:
+                move: Any = moves.send(facts)
+            except StopIteration:
+                break
+            facts = None
+            kind = type(move)
+            if kind is not feed and kind is not rapid:
+                facts = yield from rows[kind](self, move)
+            elif self._probed_way:
+                yield from self._leave_contact(move)
+            else:
+                for block in line(move.to, move.feed_mm_min if kind is feed else None, move.line):
+                    yield block
+                    self._follow_override()
+            self._follow_override()
+        yield from _each(self.planner.finish())
+
+    def _follow_override(self) -> None:
+        if self._controller is not None and self._controller.override != self._override:
+            self._apply_override()
+
+    def _apply_override(self) -> None:
+        if self._controller is not None:
+            self._override = self._controller.override
+            factor = self._override if self._may_override else 1.0
+            self.planner.set_override(factor, acts=self._may_override)
+
+    # --- moves ---------------------------------------------------------------------------------
+
+    def _arc(self, move: canon.Arc) -> Part:
+        for block in self.planner.arc(
+            move.to, move.centre, move.plane, move.turns, move.feed_mm_min, move.line
+        ):
+            yield block
+            self._follow_override()
+        return None
+
+    def _dwell(self, move: canon.Dwell) -> Part:
+        yield from _each(self.planner.dwell(move.duration_s, move.line))
+        return None
+
+    def _path_control(self, move: canon.PathControl) -> Part:
+        yield from _each(self.planner.path_control(move.mode.value, move.tolerance_mm))
+        return None
+
+    def _overrides(self, move: canon.Overrides) -> Part:
+        self._may_override = move.enabled
+        self._apply_override()
+        return None
+        yield
+
+    def _end(self, move: canon.End) -> Part:
+        yield from _each(self.planner.drain())
+        return None
+
+    # --- what hangs on outputs -----------------------------------------------------------------
+
+    def _spindle(self, move: canon.Spindle) -> Part:
+        on = bool(move.direction)
+        laser = self._context.config.outputs.mask("laser")
+        if laser:
+            # Without a stop: it changes with the first tick of the next move.
+            self.planner.outputs(laser, laser if on else 0)
+            return None
+        if (yield from self._switch("spindle", on)):
+            if on:
+                yield from _each(self.planner.dwell(self._context.config.run.spin_up_s, move.line))
+            return None
+        text = (
+            f"Spindle on, {_DIRECTIONS[move.direction]}, {move.rev_min:g} rev/min"
+            if on
+            else "Spindle off"
+        )
+        if self._context.config.run.confirm_spindle:
+            yield from self._ask(f"{text}: confirm.")
+        else:
+            self._say(f"Line {move.line}: {text} (switched by hand).")
+        return None
+
+    def _coolant(self, move: canon.Coolant) -> Part:
+        if not (yield from self._switch("coolant", move.mist or move.flood)):
+            kinds = [name for name in ("mist", "flood") if getattr(move, name)]
+            text = " and ".join(kinds) + " on" if kinds else "off"
+            self._say(f"Line {move.line}: coolant {text} (switched by hand).")
+        return None
+
+    def _switch(self, name: str, on: bool) -> Generator[Block, Report, bool]:
+        """Switch a configured output, at rest; False if there is none."""
+        mask = self._context.config.outputs.mask(name)
+        if not mask:
+            return False
+        yield from _each(self.planner.drain())
+        self.planner.outputs(mask, mask if on else 0)
+        yield from _each(self.planner.dwell(0))
+        return True
+
+    # --- barriers ------------------------------------------------------------------------------
+
+    def _pause(self, move: canon.Pause) -> Part:
+        if move.optional and not self._context.config.run.optional_stop:
+            return None
+        return (yield from self._ask(f"Program stop in line {move.line}: go on?"))
+
+    def _tool(self, move: canon.Tool) -> Part:
+        return (
+            yield from self._ask(f"Tool change in line {move.line}: put in tool {move.number}.")
+        )
+
+    def _ask(self, question: str) -> Part:
+        yield from _each(self.planner.drain())
+        if self._controller is None:
+            return None
+        yield Ask(question)
+        return None
+
+    def _probe(self, move: canon.Probe) -> Part:
+        controller = self._controller
+        if controller is None:
+            yield from _each(self.planner.line(move.to, move.feed_mm_min, move.line))
+            yield from _each(self.planner.drain())
+            return None
+        yield from _each(self.planner.drain())
+        yield STANDSTILL
+        where, switches = controller.position, controller.switches
+        from_mm = self._point(where.position_steps)
+        if switches.probe_closed == move.until_closed:
+            raise ProbeError(
+                f"line {move.line}: the probe {'touches' if move.until_closed else 'is free'}"
+                f" already; the machine stands at {where.in_words()}."
+            )
+        watch = switches.probe_watch(closed=move.until_closed, action=WatchAction.STOP)
+        yield from _each(self.planner.watched(move.to, move.feed_mm_min, watch, move.line))
+        report = yield STANDSTILL
+        touched = report.ended is Ended.WATCH
+        contact_mm = self._point(where.latched_steps(report)) if touched else None
+        self.planner.reset(where.position_steps, where.slack_steps)
+        if move.must_touch and not touched:
+            raise ProbeError(
+                f"line {move.line}: the probe never"
+                f" {'touched' if move.until_closed else 'came free'}; the machine stands at"
+                f" {where.in_words()}."
+            )
+        at_mm = self._point(where.position_steps)
+        if report.switch_closed:
+            self._probed_way = _way(from_mm, move.to)
+        return canon.Facts(position_mm=at_mm, touched=touched, contact_mm=contact_mm)
+
+    def _leave_contact(self, move: canon.Rapid | canon.Feed) -> Part:
+        """A move with the switch still closed by the probe."""
+        controller = self._controller
+        assert controller is not None
+        feed_mm_min = move.feed_mm_min if isinstance(move, canon.Feed) else None
+        way = _way(self._point(controller.position.position_steps), move.to)
+        further_in = sum(a * b for a, b in zip(way, self._probed_way, strict=True)) > 0
+        watch = controller.switches.watch(closed=False, action=WatchAction.IGNORE)
+        if further_in:
+            yield from _each(self.planner.line(move.to, feed_mm_min, move.line))
+            yield from _each(self.planner.drain())
+        else:
+            yield from _each(self.planner.watched(move.to, feed_mm_min, watch, move.line))
+        report = yield STANDSTILL
+        if not report.switch_closed:
+            self._probed_way = ()
+        return None
+
+    def _point(self, steps: tuple[int, ...]) -> canon.Point:
+        x_mm, y_mm, z_mm = self._context.machine.to_mm(steps)
+        return (x_mm, y_mm, z_mm)
+
+    def _message(self, move: canon.Message) -> Part:
+        self._say(move.text)
+        return None
+        yield
+
+    def _say(self, text: str) -> None:
+        if self._controller is not None:
+            self._controller.say(text)
+
+
+def _way(from_mm: canon.Point, to_mm: canon.Point) -> tuple[float, ...]:
+    return tuple(b - a for a, b in zip(from_mm, to_mm, strict=True))
+
+
+def _each(blocks: Iterable[Block]) -> Generator[Block, Report, None]:
+    """Blocks one by one; a plain iterator cannot take the reports that a job is sent."""
+    for block in blocks:
+        yield block
+
+
+_ROWS: Final[dict[type, Callable[[Translation, Any], Part]]] = {
+    canon.Arc: Translation._arc,
+    canon.Dwell: Translation._dwell,
+    canon.PathControl: Translation._path_control,
+    canon.Overrides: Translation._overrides,
+    canon.Spindle: Translation._spindle,
+    canon.Coolant: Translation._coolant,
+    canon.Pause: Translation._pause,
+    canon.Tool: Translation._tool,
+    canon.Probe: Translation._probe,
+    canon.Message: Translation._message,
+    canon.End: Translation._end,
+}

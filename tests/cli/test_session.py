@@ -1,0 +1,242 @@
+"""The program as its own process: signals, pipes, and two commands on one machine."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from fraese.assembly import assemble
+from fraese.cli.session import Session, note
+from fraese.control.state import Status
+from tests.helpers import configured, program
+
+FRAESE = [sys.executable, "-m", "fraese"]
+
+
+def environment(folder: Path) -> dict[str, str]:
+    return {
+        **os.environ,
+        "XDG_CONFIG_HOME": str(folder / "config"),
+        "XDG_STATE_HOME": str(folder / "user-state"),
+        "PYTHONPATH": str(Path(__file__).parents[2]),
+    }
+
+
+def fraese(folder: Path, *words: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*FRAESE, *map(str, words), "--state", str(folder / "state")],
+        capture_output=True,
+        text=True,
+        timeout=30,
+        cwd=folder,
+        env=environment(folder),
+        stdin=subprocess.DEVNULL,
+        check=False,
+    )
+
+
+def begun(folder: Path, *words: object) -> "subprocess.Popen[str]":
+    """A command in the background; returns when the machine moves."""
+    process = subprocess.Popen(
+        [*FRAESE, *map(str, words), "--state", str(folder / "state")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=folder,
+        env=environment(folder),
+        stdin=subprocess.DEVNULL,
+    )
+    kept = folder / "state" / "state.json"
+    until = time.monotonic() + 15
+    while not (kept.exists() and '"moving": true' in kept.read_text()):
+        assert time.monotonic() < until
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.01)
+    return process
+
+
+def test_two_commands_on_one_machine(tmp_path: Path) -> None:
+    (tmp_path / "part.ngc").write_text("G0 X5\nM2\n")
+    assert fraese(tmp_path, "home").returncode == 0
+    done = fraese(tmp_path, "run", "part.ngc", "--json")
+    assert done.returncode == 0
+    values = json.loads(done.stdout.splitlines()[-1])
+    assert values["status"] == "done"
+    assert values["position_mm"] == {"x": 5, "y": 0, "z": 0}
+    wrong = fraese(tmp_path, "run", "nothing.ngc")
+    assert wrong.returncode == 2
+    assert wrong.stderr == "fraese: nothing.ngc: there is no such file.\n"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_brakes_keeps_the_state_and_ends_with_130(
+    tmp_path: Path, number: signal.Signals
+) -> None:
+    process = begun(tmp_path, "move", "X100", "--feed", "300", "--real-time", "--json")
+    process.send_signal(number)
+    out, err = process.communicate(timeout=15)
+    assert process.returncode == 130
+    values = json.loads(out.splitlines()[-1])
+    assert values["status"] == "cancelled"
+    assert "Traceback" not in err
+    where = json.loads(fraese(tmp_path, "where", "--json").stdout)
+    assert where["position_steps"] == values["position_steps"]
+    assert where["position_mm"]["x"] < 20
+
+
+def test_after_a_kill_the_reference_is_not_believed(tmp_path: Path) -> None:
+    assert fraese(tmp_path, "home").returncode == 0
+    process = begun(tmp_path, "move", "X100", "--feed", "300", "--real-time")
+    process.kill()
+    process.communicate(timeout=15)
+    where = fraese(tmp_path, "where", "--json")
+    assert "reference it again" in where.stderr
+    assert json.loads(where.stdout)["referenced"] == {"x": False, "y": False, "z": False}
+
+
+def test_a_signal_while_a_file_is_looked_through(tmp_path: Path) -> None:
+    (tmp_path / "long.ngc").write_text("G1 F600\n" + "X1\nX2\n" * 300_000)
+    process = subprocess.Popen(
+        [*FRAESE, "run", "long.ngc", "--state", "state"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+        env=environment(tmp_path),
+    )
+    time.sleep(1.5)
+    assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=5)
+    assert process.returncode == 130
+    assert err == "fraese: Cancelled before anything moved.\n"
+
+
+def test_nobody_reads_the_output(tmp_path: Path) -> None:
+    (tmp_path / "part.ngc").write_text("G1 F600\n" + "X1\nX2\n" * 3000 + "M2\n")
+    for command in ("fraese gcode part.ngc | head -1", "fraese config schema | true"):
+        script = command.replace("fraese", " ".join(FRAESE), 1)
+        done = subprocess.run(
+            ["bash", "-c", f"{script}; echo ${{PIPESTATUS[0]}} >&2"],
+            capture_output=True,
+            text=True,
+            timeout=30,
+            cwd=tmp_path,
+            env=environment(tmp_path),
+            check=False,
+        )
+        assert done.stderr == "0\n"
+
+
+def test_nobody_reads_the_messages_and_the_job_goes_on(tmp_path: Path) -> None:
+    (tmp_path / "part.ngc").write_text("(MSG,one)\nG0 X1\n(MSG,two)\nG0 X7\nM2\n")
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        [*FRAESE, "run", "part.ngc", "--json", "--state", "state"],
+        stdout=subprocess.PIPE,
+        stderr=write,
+        stdin=subprocess.DEVNULL,
+        text=True,
+        timeout=30,
+        cwd=tmp_path,
+        env=environment(tmp_path),
+        check=False,
+    )
+    os.close(write)
+    assert done.returncode == 0
+    assert json.loads(done.stdout)["position_mm"]["x"] == 7
+
+
+# --- the session itself --------------------------------------------------------------------------
+
+
+def test_a_program_is_worked_off_and_the_result_printed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made = assemble(configured(), state=tmp_path)
+    part = program(tmp_path, "G0 X3\nM2\n")
+    code = Session(made, as_json=True).do(lambda controller: part.start(controller))
+    assert code == 0
+    values = json.loads(capsys.readouterr().out)
+    assert set(values) >= {
+        "status",
+        "position_mm",
+        "position_steps",
+        "steps",
+        "duration_s",
+        "blocks",
+    }
+
+
+def test_progress_fits_the_terminal(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    for columns in (1, 7, 40, 300):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        made = assemble(configured())
+        Session(made, as_json=True).do(lambda controller: controller.jog("x", 40))
+        shown = capsys.readouterr().err
+        assert "\x1b[K" in shown
+        for line in shown.replace("\x1b[K", "").split("\r"):
+            assert len(line) < max(columns, 2)
+
+
+def test_a_question_at_a_terminal_waits_for_enter(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answers = [None, EOFError]
+
+    def pressed() -> str:
+        answer = answers.pop(0)
+        if answer is not None:
+            raise answer
+        return ""
+
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("builtins.input", pressed)
+    made = assemble(configured())
+    part = program(tmp_path, "M0\nG0 X3\nM0\nG0 X6\nM2\n")
+    code = Session(made, as_json=True).do(lambda controller: part.start(controller))
+    assert code == 130
+    assert "line 1: go on? [Enter]" in capsys.readouterr().err
+    assert made.controller.state().position_mm[0] == 3
+
+
+def test_ctrl_c_at_a_question_cancels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted() -> str:
+        signal.raise_signal(signal.SIGINT)
+        return ""
+
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("builtins.input", interrupted)
+    made = assemble(configured())
+    part = program(tmp_path, "M0\nG0 X3\nM2\n")
+    assert Session(made, as_json=True).do(lambda controller: part.start(controller)) == 130
+    assert made.controller.state().position_mm[0] == 0
+    assert made.controller.status is Status.CANCEL
+
+
+def test_handlers_are_put_back() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    made = assemble(configured())
+    Session(made, as_json=True).do(lambda controller: controller.jog("x", 1))
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_a_note_to_nobody_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Gone:
+        def write(self, text: str) -> int:
+            raise BrokenPipeError
+
+        def flush(self) -> None:
+            raise BrokenPipeError
+
+    monkeypatch.setattr("sys.stderr", Gone())
+    note("hello")

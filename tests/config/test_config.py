@@ -1,0 +1,206 @@
+"""The configuration file: strict, bounded, and the same as what it prints of itself."""
+
+import contextlib
+import json
+import tempfile
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fraese.assembly import assemble
+from fraese.config import Config
+from fraese.config import file as configuration
+from fraese.config.file import load, write_key
+from fraese.errors import ConfigError
+
+ROOT = Path(__file__).parents[2]
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "fraese.toml"
+    path.write_text(text, "utf-8")
+    return path
+
+
+def test_what_is_printed_loads_and_equals_the_defaults(tmp_path: Path) -> None:
+    assert load(written(tmp_path, configuration.annotated())) == Config()
+
+
+def test_the_file_in_the_root_is_what_is_printed() -> None:
+    assert (ROOT / "fraese.toml").read_text("utf-8") == configuration.annotated()
+
+
+def test_what_is_commented_out_is_valid_when_it_is_not(tmp_path: Path) -> None:
+    """Also the examples are values that may be given; each on its own."""
+    section = ""
+    tried = 0
+    for line in configuration.annotated().splitlines():
+        if line.startswith("["):
+            section = line
+        if line.startswith("#") and " = " in line and not line.startswith("# "):
+            text = f"{section}\n{line[1:]}\n"
+            if section:
+                load(written(tmp_path, text))
+                tried += 1
+    assert tried >= 5
+
+
+def test_every_key_has_a_sentence() -> None:
+    for line in configuration.annotated().splitlines():
+        assert len(line) < 160
+    for model in json.loads(json.dumps(configuration.schema()))["$defs"].values():
+        for name, field in model["properties"].items():
+            assert field.get("description", "").endswith("."), name
+
+
+def test_every_bound_is_in_the_schema() -> None:
+    axis = configuration.schema()["$defs"]["AxisConfig"]["properties"]
+    assert axis["steps_per_rev"]["minimum"] == 1
+    assert axis["max_rate_hz"]["exclusiveMinimum"] == 0
+
+
+def test_one_key_of_an_axis_leaves_the_others_at_their_defaults(tmp_path: Path) -> None:
+    config = load(written(tmp_path, "[axes.z]\npitch_mm = 3.0\n"))
+    assert config.axes.z.home_end == "max"
+    assert config.axes.z.travel_mm == 60
+    assert config.axes.x == Config().axes.x
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("axess = 1", "unknown key axess; known here: axes, card"),
+        ("[axes.x]\nstep_per_rev = 400", "unknown key axes.x.step_per_rev; known here: acc"),
+        ("[axes.a]\npitch_mm = 2", "unknown key axes.a; known here: x, y, z"),
+        ("[tools.1]\nlenght_mm = 2", "unknown key tools.1.lenght_mm; known here: diameter_mm"),
+        ("[axes.x]\npitch_mm = 0", "axes.x.pitch_mm: "),
+        ("[axes.x]\npitch_mm = -2.5", "not -2.5"),
+        ("[axes.x]\npitch_mm = inf", "axes.x.pitch_mm: "),
+        ("[axes.x]\npitch_mm = nan", "axes.x.pitch_mm: "),
+        ("[axes.x]\npitch_mm = 1e-99999999", "axes.x.pitch_mm: "),
+        ("[axes.x]\ntravel_mm = 1e99999999", "axes.x.travel_mm: "),
+        ("[axes.x]\nbacklash_mm = 1e-99999999", "axes.x.backlash_mm: "),
+        ("[axes.x]\nsteps_per_rev = 0", "axes.x.steps_per_rev: "),
+        ("[axes.x]\nsteps_per_rev = 400.5", "axes.x.steps_per_rev: "),
+        ("[axes.x]\nsteps_per_rev = 99999999999999999999999999", "axes.x.steps_per_rev: "),
+        ('[axes.x]\ngear = "0"', "axes.x.gear: must be a positive number or ratio"),
+        ('[axes.x]\ngear = "1/0"', "axes.x.gear: "),
+        ('[axes.x]\ngear = "0/3"', "axes.x.gear: "),
+        ('[axes.x]\ngear = "-2"', "axes.x.gear: "),
+        ('[axes.x]\ngear = "1e999999999"', "axes.x.gear: "),
+        ("[axes.x]\ngear = 1e999999999", "axes.x.gear: "),
+        ("[axes.x]\ngear = true", "axes.x.gear: "),
+        ('[axes.x]\ngear = "1/999999999"', "axes.x give its travel"),
+        ("[axes.x]\nstart_rate_hz = 5000", "start_rate_hz (5000) must not be above"),
+        ("[axes.x]\nmax_rate_hz = 1e400", "axes.x.max_rate_hz: "),
+        ("[axes.x]\nacceleration_hz_s = nan", "axes.x.acceleration_hz_s: "),
+        ("[axes.x]\navoid_hz = [[900, 800]]", "a lower and a higher rate"),
+        ("[axes.x]\navoid_hz = [[900]]", "axes.x.avoid_hz"),
+        ("[axes]\nx = 5", "axes.x: "),
+        ("axes = 5", "axes: "),
+        ("[axes.x]\ntravel_mm = 4", "leaves nothing of axes.x.travel_mm"),
+        ("[homing]\npull_off_mm = 30", "leaves nothing of axes.z.travel_mm"),
+        ('[homing]\norder = ["x", "x"]', "names an axis twice"),
+        ("[homing]\norder = []", "homing.order: "),
+        ('[homing]\norder = ["x", "a"]', "homing.order.1: "),
+        ("[switches]\npin = 14", "switches.pin: "),
+        ("[switches]\nclosed_reads = 2", "switches.closed_reads: "),
+        ("[switches]\nreadings = 0", "switches.readings: "),
+        ("[probe]\npin = 11\nclosed_reads = 1", "on the same pin; leave out probe.pin"),
+        ("[outputs.spindle]\npin = 1", "outputs.spindle.pin 1 is taken already"),
+        ("[outputs.spindle]\nactive_high = true", "outputs.spindle.pin: "),
+        ("[outputs]\nspindle = { pin = 14 }\ncoolant = { pin = 14 }", "outputs.coolant.pin 14"),
+        ('[card]\nkind = "stepdir"\n[outputs]\nspindle = { pin = 17 }', "17 is taken already"),
+        ('[card]\nkind = "smc2000"', "card.kind: "),
+        ('[port]\nkind = "usb"', "port.kind: must be 'simulation', 'ppdev', 'devport' or 'bridge'"),
+        ('[port]\ndevice = "parport0"', "port.device: must be the full path of a device file"),
+        ('[port]\ndevice = "/dev/par\\u0000"', "port.device: must be the full path"),
+        ("[port]\nbase = 0x37A", "port.base: must be a multiple of 4, not 890"),
+        ("[port]\nbase = 0x60", "port.base: "),
+        ("[port]\nbase = 0x10000", "port.base: "),
+        ("[run]\nsafe_z_mm = 5", "outside the travel of Z, -56 to 0 mm"),
+        ("[run]\nlead_s = 0", "run.lead_s: "),
+        ('[tools."1.5"]\nlength_mm = 2', "tools: tools are named by number"),
+        ('[tools."' + "9" * 5000 + '"]\nlength_mm = 2', "tools"),
+        ('[log]\nenabled = "perhaps"', "log.enabled: "),
+        ('[card]\ntable = "x\\ny"', "card.table: "),
+        ("[axes.x", "is not valid TOML"),
+        ("[axes.x]\npitch_mm = 2\npitch_mm = 3", "is not valid TOML"),
+    ],
+    ids=lambda text: text[:40],
+)
+def test_what_is_wrong_is_said_in_one_sentence(tmp_path: Path, text: str, said: str) -> None:
+    path = written(tmp_path, text)
+    with pytest.raises(ConfigError) as caught:
+        assemble(load(path))
+    sentence = str(caught.value)
+    assert said in sentence
+    assert "\n" not in sentence
+    assert len(sentence) < 500
+    assert sentence.endswith(".")
+
+
+def test_files_that_are_none(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="there is no such configuration file"):
+        load(tmp_path / "nothing.toml")
+    with pytest.raises(ConfigError, match="there is no such configuration file"):
+        load(tmp_path)
+    path = tmp_path / "latin.toml"
+    path.write_bytes("# größer\n".encode("latin-1"))
+    with pytest.raises(ConfigError, match="not a text file in UTF-8"):
+        load(path)
+
+
+def test_the_named_file_comes_before_the_working_directory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "user"))
+    monkeypatch.chdir(tmp_path)
+    assert configuration.find_file() is None
+    user = tmp_path / "user" / "fraese"
+    user.mkdir(parents=True)
+    written(user, "[jog]\nmax_mm = 3\n")
+    assert load().jog.max_mm == 3
+    written(tmp_path, "[jog]\nmax_mm = 4\n")
+    assert load().jog.max_mm == 4
+    other = tmp_path / "other.toml"
+    other.write_text("[jog]\nmax_mm = 5\n")
+    assert load(other).jog.max_mm == 5
+
+
+def test_decimals_are_read_exactly(tmp_path: Path) -> None:
+    config = load(written(tmp_path, "[axes.x]\npitch_mm = 0.1\ngear = 2.5\n"))
+    assert config.axes.x.steps_per_mm() == 10_000
+
+
+def test_a_key_is_written_back_with_the_comments_kept(tmp_path: Path) -> None:
+    path = written(tmp_path, "# mine\n[jog]\nmax_mm = 3 # short\n")
+    write_key(path, "jog", "feed_mm_min", 300)
+    write_key(path, "axes.x", "inverted", True)
+    assert path.read_text().startswith("# mine\n[jog]\nmax_mm = 3 # short\n")
+    assert load(path).jog.feed_mm_min == 300
+    assert load(path).axes.x.inverted
+    before = path.read_text()
+    with pytest.raises(ConfigError, match="jog"):
+        write_key(path, "jog", "max_mm", -1)
+    assert path.read_text() == before
+
+
+def test_a_file_that_cannot_be_written_back_is_left_alone(tmp_path: Path) -> None:
+    broken = written(tmp_path, "[jog\n")
+    with pytest.raises(ConfigError, match="not valid TOML"):
+        write_key(broken, "jog", "max_mm", 3)
+    with pytest.raises(ConfigError, match="cannot be written"):
+        write_key(tmp_path / "nowhere" / "fraese.toml", "jog", "max_mm", 3)
+    assert [path.name for path in tmp_path.iterdir()] == ["fraese.toml"]
+
+
+@given(st.text(max_size=60))
+def test_no_text_whatever_is_a_surprise(text: str) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "fraese.toml"
+        path.write_bytes(text.encode("utf-8", "surrogatepass"))
+        with contextlib.suppress(ConfigError):
+            load(path)

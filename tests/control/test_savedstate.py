@@ -1,0 +1,172 @@
+"""What survives a restart, and what is not believed."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fraese.assembly import Plant, assemble
+from fraese.control.state import Status
+from fraese.errors import ConfigError
+from tests.helpers import STEPDIR, carriages, configured, look, merged
+
+
+def machine(folder: Path, **sections: Any) -> Plant:
+    return assemble(configured(**sections), state=folder)
+
+
+def moved(folder: Path, **sections: Any) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """Home, move, set a zero, close; position and carriages."""
+    made = machine(folder, **sections)
+    made.controller.home()
+    made.controller.run()
+    made.controller.move_to({"x": 12.345, "y": 7, "z": -3.005})
+    assert made.controller.run() is Status.OK
+    made.controller.set_zero("x", 2)
+    made.close()
+    return made.controller.state().position_steps, carriages(made)
+
+
+def kept(folder: Path) -> dict[str, Any]:
+    values: dict[str, Any] = json.loads((folder / "state.json").read_text())
+    return values
+
+
+@pytest.mark.parametrize("card", [{}, STEPDIR], ids=["smc1500", "stepdir"])
+@pytest.mark.parametrize("backlash", [0.0, 0.1])
+def test_the_next_command_goes_on_where_the_last_one_ended(
+    tmp_path: Path, card: dict[str, Any], backlash: float
+) -> None:
+    sections = merged(
+        card, {"axes": {"x": {"backlash_mm": backlash}}, "simulation": {"backlash_mm": backlash}}
+    )
+    position, at = moved(tmp_path, **sections)
+    made = machine(tmp_path, **sections)
+    state = made.controller.state()
+    assert state.position_steps == position
+    assert carriages(made) == at
+    assert state.referenced == (True, True, True)
+    assert state.work_mm[0] == pytest.approx(2)
+    assert made.notes == ()
+    made.controller.jog("x", -1)
+    assert made.controller.run() is Status.OK
+    # The phase index was kept: no rotor jumps when the current comes on.
+    assert carriages(made)[0] == at[0] - 200
+    assert look(made).lost_steps == (0, 0, 0)
+
+
+def test_started_fresh_nothing_is_known(tmp_path: Path) -> None:
+    moved(tmp_path)
+    made = assemble(configured(), state=tmp_path, fresh=True)
+    assert made.controller.state().position_steps == (0, 0, 0)
+    assert made.controller.state().referenced == (False, False, False)
+
+
+def test_what_ended_in_the_middle_is_shown_but_not_believed(tmp_path: Path) -> None:
+    position, _ = moved(tmp_path)
+    made = machine(tmp_path)
+    made.save(moving=True)
+    assert kept(tmp_path)["moving"] is True
+    again = machine(tmp_path)
+    assert again.controller.state().position_steps == position
+    assert again.controller.state().referenced == (False, False, False)
+    assert "reference it again" in again.notes[0]
+    again.close()
+    assert kept(tmp_path)["moving"] is False
+    assert machine(tmp_path).controller.state().referenced == (False, False, False)
+
+
+@pytest.mark.parametrize(
+    "sections",
+    [
+        {"axes": {"x": {"pitch_mm": "3"}}},
+        {"axes": {"x": {"inverted": True}}},
+        {"axes": {"x": {"home_end": "max"}}},
+        {"axes": {"z": {"travel_mm": "50"}}},
+        {"axes": {"y": {"backlash_mm": "0.1"}}},
+        {"homing": {"pull_off_mm": 3}},
+        {"card": {"kind": "stepdir"}},
+        {"card": {"table": "full-step"}},
+    ],
+    ids=str,
+)
+def test_steps_of_another_machine_are_forgotten(tmp_path: Path, sections: dict[str, Any]) -> None:
+    moved(tmp_path)
+    made = machine(tmp_path, **sections)
+    assert "configured otherwise" in made.notes[0]
+    assert made.controller.state().position_steps == (0, 0, 0)
+    assert made.controller.state().referenced == (False, False, False)
+
+
+def test_feeds_and_rates_may_change_freely(tmp_path: Path) -> None:
+    position, _ = moved(tmp_path)
+    made = machine(tmp_path, axes={"x": {"max_rate_hz": 3000}}, jog={"feed_mm_min": 100})
+    assert made.controller.state().position_steps == position
+
+
+DAMAGE: list[Any] = [
+    b"",
+    b"{",
+    b"null",
+    b"[]",
+    b"\xff\xfe\x00",
+    b'{"position_steps": [0, 0, 0]}',
+]
+CHANGES: list[dict[str, Any]] = [
+    {"position_steps": [0, 0]},
+    {"position_steps": [0.5, 0, 0]},
+    {"phases": [1, 2, 3, 4]},
+    {"simulation": [[0, 0, 0, 0]] * 4},
+    {"simulation": [[0, 0]] * 3},
+    {"parameters": {"5220": 42}},
+    {"parameters": {"5220": 1.5}},
+    {"parameters": {"x": 1}},
+    {"moving": "perhaps"},
+    {"more": 1},
+]
+
+
+@pytest.mark.parametrize("damage", [*DAMAGE, *CHANGES], ids=str)
+def test_a_damaged_file_is_refused_with_a_remedy(tmp_path: Path, damage: Any) -> None:
+    moved(tmp_path)
+    path = tmp_path / "state.json"
+    if isinstance(damage, bytes):
+        path.write_bytes(damage)
+    else:
+        path.write_text(json.dumps(kept(tmp_path) | damage))
+    with pytest.raises(ConfigError, match="--fresh") as caught:
+        machine(tmp_path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_folder_that_cannot_be_written_says_so(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    made = assemble(configured(), state=blocked / "state", fresh=True)
+    with pytest.raises(ConfigError, match="the state cannot be written"):
+        made.save()
+    full = assemble(configured(), state=tmp_path, fresh=True)
+    (tmp_path / "state.json").mkdir()
+    with pytest.raises(ConfigError, match="the state cannot be written"):
+        full.save()
+
+
+def test_nothing_is_left_beside_the_file(tmp_path: Path) -> None:
+    moved(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["state.json"]
+
+
+def test_a_carriage_left_on_its_switch_is_found_there(tmp_path: Path) -> None:
+    sections = {"simulation": {"lag_ms": 60, "bounce_readings": 10}}
+    made = machine(tmp_path, **sections)
+    made.controller.jog("z", 29.5)
+    made.controller.run()
+    made.controller.jog("z", 1.5)
+    assert made.controller.run() is Status.ERROR
+    made.close()
+    again = machine(tmp_path, **sections)
+    assert again.controller.state().switch_closed
+    again.controller.home()
+    assert again.controller.run() is Status.OK
