@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, settings
 #: Folders of tests in which processes, threads or terminals run in real time.
 _ALONE = ("contracts", "doctor", "realtime", "rigs", "ui")
 #: The same, in other folders.
-_ALONE_FILES = ("bridge/test_stack.py", "test_headless.py", "test_worker.py")
+_ALONE_FILES = ("bridge/test_stack.py", "cli/test_session.py", "control/test_worker.py")
 _HERE = Path(__file__).parent
 
 settings.register_profile(

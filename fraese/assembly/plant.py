@@ -1,6 +1,6 @@
 """Putting a machine together: the one place that knows every peer by name.
 
-Drivers with their ports and clocks have their table in ``drivers.py``, cards in ``cardmaker.py``,
+Drivers with their ports and clocks have their table in ``drivers.py``, cards in ``cards.py``,
 the simulated mill its own in ``simulation.py``.
 """
 
@@ -114,7 +114,7 @@ def assemble(
     """Put a machine together as configured.
 
     Args:
-        config: from ``fraese.configfile.load``.
+        config: from ``fraese.config.file.load``.
         clock: of a simulated mill: virtual for speed, paced where a person watches.
         state: folder in which the state is kept; None: it is not kept.
         fresh: forget what was kept.

@@ -121,17 +121,15 @@ class Ticks:
     def _play_piece(self, cursor: Cursor, end_ns: int) -> None:
         """The inner loop: ticks of one piece. Leaves early when time is up or none is wanted.
 
-        It is one function, with all it needs in locals, since calls and look-ups are what a tick
-        costs.
+        One function, with all it needs in locals: calls and look-ups are what a tick costs.
         """
         track, governor, requests, wires = self._track, self._governor, self._requests, self._wires
         access, wait_until = wires.access, self._clock.wait_until
         tick, stepped = self._card.tick, self._card.stepped
         has_fall, pulse_cycles = bool(self._card.fall), self._card.pulse_cycles
-        leader_bit = cursor.leader_bit
         divided_from = self._divided_from_cycles if cursor.minors else _NEVER_CYCLES
-        interval_q8, add_q8 = cursor.interval_q8, cursor.add_q8
-        left = cursor.piece_left
+        interval_q8, add_q8, left = cursor.interval_q8, cursor.add_q8, cursor.piece_left
+        leader_bit = cursor.leader_bit
         due, base_ns, not_before = self._due_cycles, self._base_ns, self._not_before_cycles
         try:
             while left:
