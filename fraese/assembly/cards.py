@@ -8,11 +8,12 @@ from typing import Final
 
 from fraese.config import Config
 from fraese.config.axes import AXIS_NAMES
+from fraese.config.wiring import CardConfig
 from fraese.errors import ConfigError
 from fraese.motor.cards.control import OutputPin
 from fraese.motor.cards.smc1500 import SmcCard
 from fraese.motor.cards.stepdir import STEPDIR_PROFILES, StepDirCard
-from fraese.motor.phases import LEVEL_MAPS, PHASE_TABLES
+from fraese.motor.phases import LEVEL_MAPS, PHASE_TABLES, describe_table, fault_of_table
 from fraese.motor.seams import Card
 
 
@@ -36,6 +37,22 @@ def phase_table(name: str) -> bytes:
     return table
 
 
+def checked_table(card: CardConfig) -> bytes:
+    """The drive table as configured.
+
+    Raises:
+        ConfigError: if there is no such table, or a motor cannot turn by it.
+    """
+    table = phase_table(card.table)
+    fault = fault_of_table(table, LEVEL_MAPS[card.levels])
+    if fault:
+        raise ConfigError(
+            f"card.table ({describe_table(table)}): {fault}, with card.levels {card.levels}; every"
+            " entry must turn the field the same way, once round."
+        )
+    return table
+
+
 def _pins(config: Config) -> list[OutputPin]:
     """Configured outputs in the order of their bits."""
     return [OutputPin(output.pin, output.active_high) for _, output in config.outputs.configured()]
@@ -43,7 +60,7 @@ def _pins(config: Config) -> list[OutputPin]:
 
 def _smc_card(config: Config) -> Card:
     return SmcCard(
-        table=phase_table(config.card.table),
+        table=checked_table(config.card),
         holding_percent=config.card.holding_percent,
         levels=LEVEL_MAPS[config.card.levels],
         outputs=_pins(config),

@@ -14,9 +14,9 @@ from fraese.control.endswitches import contact_bits
 from fraese.machine import Machine
 from fraese.motor.electronics import Electronics, SmcElectronics, StepDirElectronics
 from fraese.motor.mill import Mill
-from fraese.motor.phases import LEVEL_MAPS
+from fraese.motor.phases import LEVEL_MAPS, TURN_STEPS
 from fraese.motor.ports.sim import SimulatedMill, Wiring
-from fraese.motor.rotor import TURN_STEPS, RotorLimits
+from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import Clock
 
 

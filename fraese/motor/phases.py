@@ -11,10 +11,13 @@ Rule 1: the bytes of a table are what is sent. No level map ever changes them.
 Rule 2: what a code means in per cent comes from one map, and only two things use it: what is
         printed, and which code is chosen for a wanted holding current.
 Rule 3: a new table is one new row in ``PHASE_TABLES``.
+Rule 4: a table is one electrical turn: every entry turns the field the same way, and the last one
+        leads back to the first. Its length is all that says how far one step goes.
 """
 
 import math
 from collections.abc import Mapping
+from fractions import Fraction
 from typing import Final, NamedTuple
 
 #: Both phases without current; OR-ed with the motor bits (seed: MOTZERO).
@@ -40,6 +43,22 @@ LEVEL_MAPS: Final[Mapping[str, tuple[int, int, int, int]]] = {
     "field": (100, 60, 20, 0),
     "seed": (100, 20, 60, 0),
 }
+
+#: Half-steps in one electrical turn; a motor makes four full steps in it.
+TURN_STEPS: Final = 8
+_FULL_STEPS_A_TURN: Final = 4
+#: What motors are made with: 1.8 and 0.9 degrees a full step.
+FULL_STEPS_PER_REV: Final = (200, 400)
+
+#: How steps of these parts of a full step are called.
+_STEP_WORDS: Final[Mapping[Fraction, str]] = {
+    Fraction(1): "full steps",
+    Fraction(2): "half-steps",
+    Fraction(4): "quarter-steps",
+}
+#: What an entry may turn the field by, in parts of the mean: four levels make no finer angles.
+_EVEN: Final = (0.5, 1.5)
+_SHORTEST_TABLE: Final = 3
 
 _CODE_OFF: Final = 0b11
 _MOTOR_SHIFT: Final = 6
@@ -75,7 +94,86 @@ def field_angle(byte: int, levels: tuple[int, int, int, int]) -> float | None:
     a_percent, b_percent = currents_of(byte, levels)
     if not a_percent and not b_percent:
         return None
-    return round(math.atan2(a_percent, b_percent) * 4 / math.pi, 6) % 8
+    return round(math.atan2(a_percent, b_percent) * 4 / math.pi, 6) % TURN_STEPS
+
+
+def parts_of_full_step(table: bytes) -> Fraction:
+    """How many steps of a table make one full step of the motor: 2 for half-steps."""
+    return Fraction(len(table), _FULL_STEPS_A_TURN)
+
+
+def step_word(table: bytes) -> str:
+    """What one step of a table is called, in the plural: half-steps, 1/8 steps."""
+    parts = parts_of_full_step(table)
+    return _STEP_WORDS.get(parts, f"{1 / parts} steps")
+
+
+def steps_per_rev(table: bytes, full_steps: int = FULL_STEPS_PER_REV[0]) -> Fraction:
+    """Steps of a table in one turn of a motor with so many full steps."""
+    return full_steps * parts_of_full_step(table)
+
+
+def describe_table(table: bytes) -> str:
+    """What a table is, for people."""
+    full_steps = FULL_STEPS_PER_REV[0]
+    return (
+        f"{len(table)} entries: {step_word(table)}, {float(steps_per_rev(table)):g} steps_per_rev"
+        f" for a {full_steps}-step motor"
+    )
+
+
+def fault_of_table(table: bytes, levels: tuple[int, int, int, int]) -> str:
+    """Why a motor cannot turn by this table, half a sentence; empty if it can.
+
+    Args:
+        table: drive table, one electrical turn.
+        levels: the level map, one row of ``LEVEL_MAPS``.
+    """
+    if len(table) < _SHORTEST_TABLE:
+        return f"{len(table)} entries do not say which way the field turns"
+    angles = [field_angle(byte, levels) for byte in table]
+    if None in angles:
+        return f"{_entry(table, angles.index(None))} gives no current"
+    known = [angle for angle in angles if angle is not None]
+    nexts = known[1:] + known[:1]
+    turns = [_short_way(after - before) for before, after in zip(known, nexts, strict=True)]
+    return _fault_of_turns(table, turns)
+
+
+def _fault_of_turns(table: bytes, turns: list[float]) -> str:
+    """The same, from what the step behind each entry turns the field by."""
+    forward = sum(turn > 0 for turn in turns) * 2 >= len(turns)
+    mean = TURN_STEPS / len(turns)
+    for number, turn in enumerate(turns):
+        step = (
+            f"the step from {_entry(table, number)} to {_entry(table, (number + 1) % len(turns))}"
+        )
+        if not turn:
+            return f"{step} does not turn the field"
+        if abs(turn) == TURN_STEPS / 2:
+            return f"{step} is half a turn of the field: either way"
+        if (turn > 0) != forward:
+            return f"{step} turns the field back"
+    rounds = round(abs(sum(turns)) / TURN_STEPS)
+    if rounds != 1:
+        return f"it turns the field round {rounds} times; a table is one turn"
+    for number, turn in enumerate(turns):
+        if not _EVEN[0] <= abs(turn) / mean <= _EVEN[1]:
+            return (
+                f"the step behind {_entry(table, number)} turns the field by {abs(turn) * 45:.0f}"
+                f" degrees; all should be near {mean * 45:.0f}"
+            )
+    return ""
+
+
+def _entry(table: bytes, number: int) -> str:
+    return f"entry {number + 1} ({table[number]:02X})"
+
+
+def _short_way(turn: float) -> float:
+    """A difference of two angles, in half-steps: above -4, up to 4."""
+    half = TURN_STEPS / 2
+    return half - (half - turn) % TURN_STEPS
 
 
 def holding_table(table: bytes, wanted_percent: int, levels: tuple[int, int, int, int]) -> bytes:

@@ -18,8 +18,8 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-#: Half-steps in one electrical turn: what a slipping rotor loses at a time.
-TURN_STEPS: Final = 8
+from fraese.motor.phases import TURN_STEPS
+
 _NS_PER_S: Final = 1_000_000_000
 #: A window of eight beats of a minor axis is uneven by up to one step.
 _UNEVEN_STEPS: Final = 1.0
