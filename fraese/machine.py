@@ -1,21 +1,28 @@
-"""The machine in both worlds: millimetres above, steps below, exact in between.
+"""The machine in both worlds: millimetres and degrees above, steps below, exact in between.
 
 Rule 1: steps per millimetre are a fraction. A target is rounded once and absolutely,
         floor(x * k + 1/2); a move's steps are the difference of two targets.
 Rule 2: machine zero lies at the pull-off distance from the switch to which an axis is referenced.
         An axis referenced at its lower end reaches from 0 upwards, one referenced at its upper
         end from 0 downwards.
+Rule 3: a rotary axis counts in degrees. Everywhere above the steps a value of its own is in
+        degrees, also where a name says ``_mm``, as in every tuple with a value for each axis.
+Rule 4: an endless axis has no limits but what the counters hold; in degrees they are infinite.
 """
 
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Final, Literal
 
 from fraese.config import Config
-from fraese.config.axes import AXIS_NAMES, AxisConfig
+from fraese.config.axes import VERTICAL, AxisConfig
 
 Steps = tuple[int, ...]
 Millimetres = tuple[float, ...]
+
+#: How far an endless axis may get from its zero: counters of 32 bits hold it with room to spare.
+_MOST_STEPS: Final = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,18 +30,21 @@ class Axis:
     """One axis.
 
     Attributes:
-        name: "x", "y" or "z".
-        steps_per_mm: exact, positive.
+        name: a letter, such as "x".
+        steps_per_mm: exact, positive; per degree on a rotary axis.
         motor_sign: -1 where the motor turns the other way round for positive moves.
         low_mm: the soft limits, in machine coordinates,
         high_mm: valid when the axis is referenced.
-        travel_mm: from switch to switch.
+        travel_mm: from end to end; infinite if there is none.
         home_sign: -1 referenced at the lower end, +1 at the upper.
         max_rate_hz: what the motor can follow, steps/s,
         start_rate_hz: start/stop rate, steps/s,
         acceleration_hz_s: and change of rate, steps/s**2.
         backlash_steps: motor steps without effect after a reversal.
         avoid_hz: bands of step rates in which the motor resonates, from below to above.
+        kind: "linear" or "rotary".
+        unit: "mm" or "°".
+        has_switches: an end switch at both ends.
     """
 
     name: str
@@ -49,6 +59,34 @@ class Axis:
     acceleration_hz_s: float
     backlash_steps: int = 0
     avoid_hz: tuple[tuple[float, float], ...] = ()
+    kind: Literal["linear", "rotary"] = "linear"
+    unit: str = "mm"
+    has_switches: bool = True
+
+    def with_unit(self, number: float | str) -> str:
+        """A number as people write it: 12.5 mm, 90°."""
+        text = number if isinstance(number, str) else f"{number:g}"
+        return text + (self.unit if self.unit == "°" else f" {self.unit}")
+
+    @property
+    def travel_key(self) -> str:
+        """The key of its travel in the configuration."""
+        return "travel_deg" if self.kind == "rotary" else "travel_mm"
+
+    @property
+    def is_endless(self) -> bool:
+        """There are no ends, and no soft limits."""
+        return math.isinf(self.travel_mm)
+
+    @property
+    def low_steps(self) -> int:
+        """The lower soft limit, in steps."""
+        return -_MOST_STEPS if self.is_endless else self.to_steps(self.low_mm)
+
+    @property
+    def high_steps(self) -> int:
+        """The upper soft limit, in steps."""
+        return _MOST_STEPS if self.is_endless else self.to_steps(self.high_mm)
 
     def to_steps(self, position_mm: float | Fraction) -> int:
         """Nearest step, halves upwards. A float is taken as the exact number that it is."""
@@ -70,21 +108,26 @@ class Axis:
 
 
 def _axis(name: str, config: AxisConfig, pull_off_mm: float) -> Axis:
-    usable_mm = float(config.travel_mm) - 2 * pull_off_mm
+    travel_mm = math.inf if config.travel is None else float(config.travel)
+    usable_mm = travel_mm - 2 * pull_off_mm
+    is_endless = config.travel is None
     at_low = config.home_end == "min"
     return Axis(
         name=name,
-        steps_per_mm=config.steps_per_mm(),
+        steps_per_mm=config.steps_per_unit(),
         motor_sign=-1 if config.inverted else 1,
-        low_mm=0.0 if at_low else -usable_mm,
-        high_mm=usable_mm if at_low else 0.0,
-        travel_mm=float(config.travel_mm),
+        low_mm=-usable_mm if is_endless or not at_low else 0.0,
+        high_mm=usable_mm if is_endless or at_low else 0.0,
+        travel_mm=travel_mm,
         home_sign=-1 if at_low else 1,
         max_rate_hz=config.max_rate_hz,
         start_rate_hz=config.start_rate_hz,
         acceleration_hz_s=config.acceleration_hz_s,
-        backlash_steps=round(Fraction(config.backlash_mm) * config.steps_per_mm()),
+        backlash_steps=round(Fraction(config.backlash) * config.steps_per_unit()),
         avoid_hz=config.avoid_hz,
+        kind=config.kind,
+        unit=config.unit,
+        has_switches=config.has_switches,
     )
 
 
@@ -97,10 +140,22 @@ class Machine:
     @classmethod
     def from_config(cls, config: Config) -> "Machine":
         """The machine that a configuration describes."""
-        pull_off_mm = config.homing.pull_off_mm
         return cls(
-            tuple(_axis(name, getattr(config.axes, name), pull_off_mm) for name in AXIS_NAMES)
+            tuple(
+                _axis(name, axis, config.pull_off(axis)) for name, axis in config.axes.table.items()
+            )
         )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the axes."""
+        return tuple(axis.name for axis in self.axes)
+
+    @property
+    def vertical(self) -> int | None:
+        """Motor number of the axis that lifts the tool; None: nothing lifts it."""
+        names = self.names
+        return names.index(VERTICAL) if VERTICAL in names else None
 
     def index(self, name: str) -> int:
         """Motor number of an axis.
@@ -109,6 +164,18 @@ class Machine:
             ValueError: if there is no such axis.
         """
         return [axis.name for axis in self.axes].index(name)
+
+    def in_words(self, position_mm: Millimetres) -> str:
+        """A point: X 1.000 Y 2.000 mm; each degree with its sign: X 1.000 mm A 90.000°."""
+        words = []
+        for place, (axis, value) in enumerate(zip(self.axes, position_mm, strict=True), start=1):
+            # Millimetres of neighbours share their unit.
+            more_mm = axis.unit == "mm" and any(
+                next_.unit == "mm" for next_ in self.axes[place:][:1]
+            )
+            number = f"{value:.3f}"
+            words.append(f"{axis.name.upper()} {number if more_mm else axis.with_unit(number)}")
+        return " ".join(words)
 
     def to_steps(self, position_mm: Millimetres) -> Steps:
         """Nearest steps of every axis."""

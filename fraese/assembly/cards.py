@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from fraese.config import Config
-from fraese.config.axes import AXIS_NAMES
 from fraese.config.wiring import CardConfig
 from fraese.errors import ConfigError
 from fraese.motor.cards.control import OutputPin
@@ -64,14 +63,14 @@ def _smc_card(config: Config) -> Card:
         holding_percent=config.card.holding_percent,
         levels=LEVEL_MAPS[config.card.levels],
         outputs=_pins(config),
-        motors=len(AXIS_NAMES),
+        sockets=config.axes.sockets,
     )
 
 
 def _stepdir_card(config: Config) -> Card:
     profile = STEPDIR_PROFILES[config.card.profile]
-    for name in AXIS_NAMES:
-        rate_hz = getattr(config.axes, name).max_rate_hz
+    for name, axis in config.axes.table.items():
+        rate_hz = axis.max_rate_hz
         if rate_hz > profile.max_rate_hz:
             raise ConfigError(
                 f"axes.{name}.max_rate_hz: {rate_hz:g} is above the {profile.max_rate_hz} steps/s"
@@ -83,7 +82,7 @@ def _stepdir_card(config: Config) -> Card:
         forward_high=config.card.forward_high,
         outputs=_pins(config),
         enable=config.outputs.bit("enable"),
-        motors=len(AXIS_NAMES),
+        sockets=config.axes.sockets,
     )
 
 

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 from fraese.assembly.simulation import simulated_mill
 from fraese.config import Config
-from fraese.config.axes import AXIS_NAMES
 from fraese.control.endswitches import contact_bits
 from fraese.control.savedstate import SavedState
 from fraese.machine import Machine
@@ -118,7 +117,7 @@ def realtime_options(config: Config) -> "RealtimeOptions":
     heartbeat = config.outputs.bit("heartbeat")
     pump = None if heartbeat is None else ChargePump(heartbeat, config.realtime.heartbeat_hz)
     return RealtimeOptions(
-        top_rate_hz=max(getattr(config.axes, name).max_rate_hz for name in AXIS_NAMES),
+        top_rate_hz=max(axis.max_rate_hz for axis in config.axes.table.values()),
         core=config.realtime.core,
         silent_s=config.realtime.silent_s,
         pump=pump,

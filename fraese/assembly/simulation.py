@@ -22,12 +22,14 @@ from fraese.motor.seams import Clock
 
 def _smc_electronics(mill: Mill, clock: Clock, config: Config) -> Electronics:
     rest = phase_table(config.card.table)[0]
-    return SmcElectronics(mill, clock, LEVEL_MAPS[config.card.levels], rest)
+    return SmcElectronics(mill, clock, LEVEL_MAPS[config.card.levels], rest, config.axes.sockets)
 
 
 def _stepdir_electronics(mill: Mill, clock: Clock, config: Config) -> Electronics:
     card = config.card
-    return StepDirElectronics(mill, clock, card.clock_idles_high, card.forward_high)
+    return StepDirElectronics(
+        mill, clock, card.clock_idles_high, card.forward_high, config.axes.sockets
+    )
 
 
 ELECTRONICS: Final[Mapping[str, Callable[[Mill, Clock, Config], Electronics]]] = {

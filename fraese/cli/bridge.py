@@ -17,7 +17,6 @@ from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece, accel_q_from_hz_s, rat
 from fraese.cli.shared import ConfigOption, JsonOption, leave
 from fraese.config import Config
 from fraese.config import file as configuration
-from fraese.config.axes import AXIS_NAMES
 from fraese.errors import PortError
 from fraese.motor.bridge.codec import Hello, frame
 from fraese.motor.bridge.constants import KIND_PING
@@ -231,11 +230,12 @@ def _contour_block(number: int) -> Block:
 
 
 def _moves(driver: BridgeDriver, config: Config, steps: int) -> Iterator[Check]:
-    for motor, name in enumerate(AXIS_NAMES):
-        rate_hz = getattr(config.axes, name).start_rate_hz
+    axes = config.axes.table
+    for motor, (name, axis) in enumerate(axes.items()):
+        rate_hz = axis.start_rate_hz
         before = driver.poll(0).travelled_steps[motor]
         for signed in (steps, -steps):
-            ways = tuple(signed if each == motor else 0 for each in range(len(AXIS_NAMES)))
+            ways = tuple(signed if each == motor else 0 for each in range(len(axes)))
             law = (Piece(steps, round(CYCLES_PER_S / rate_hz * Q8)),)
             driver.push(Block(ways, law, jump_rate_q8=rate_q8_from_hz(rate_hz)))
         while (report := driver.poll(0.1)).running:

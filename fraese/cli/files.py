@@ -10,7 +10,6 @@ from fraese.assembly import assemble
 from fraese.cli.session import note
 from fraese.cli.shared import ConfigOption, FileArgument, StartingPlace, leave, with_options
 from fraese.config import file as configuration
-from fraese.config.axes import AXIS_NAMES
 from fraese.errors import UsageError
 from fraese.gcode.jsonl import as_dict
 from fraese.machine import Machine
@@ -41,20 +40,20 @@ def check(
         facts = check_program(file, ProgramContext.of(plant.controller))
         plant.controller.close()
         if on.as_json:
-            print(json.dumps(_facts_as_dict(facts)))
+            print(json.dumps(_facts_as_dict(facts, plant.controller.machine)))
         else:
-            _print_facts(file, facts)
+            _print_facts(file, facts, plant.controller.machine)
         return 0 if facts.ok else UsageError.exit_code
 
     leave(go, on.as_json)
 
 
-def _facts_as_dict(facts: Facts) -> dict[str, object]:
+def _facts_as_dict(facts: Facts, machine: Machine) -> dict[str, object]:
     bounds = None
     if facts.low_mm is not None and facts.high_mm is not None:
         bounds = {
             name: [low, high]
-            for name, low, high in zip(AXIS_NAMES, facts.low_mm, facts.high_mm, strict=True)
+            for name, low, high in zip(machine.names, facts.low_mm, facts.high_mm, strict=True)
         }
     return {
         "ok": facts.ok,
@@ -68,15 +67,16 @@ def _facts_as_dict(facts: Facts) -> dict[str, object]:
     }
 
 
-def _print_facts(file: Path, facts: Facts) -> None:
+def _print_facts(file: Path, facts: Facts, machine: Machine) -> None:
     for error in facts.errors:
         place = f"{file}, line {error.line}" if error.line else f"{file}"
         note(f"{place}: {error.message}")
     for warning in facts.warnings:
         note(f"{file}, {warning}")
     if facts.low_mm is not None and facts.high_mm is not None:
-        for name, low, high in zip(AXIS_NAMES, facts.low_mm, facts.high_mm, strict=True):
-            print(f"{name.upper()} {low:10.3f} to {high:10.3f} mm (machine)")
+        for axis, low, high in zip(machine.axes, facts.low_mm, facts.high_mm, strict=True):
+            reach = axis.with_unit(f"{low:10.3f} to {high:10.3f}")
+            print(f"{axis.name.upper()} {reach} (machine)")
     minutes, seconds = divmod(facts.duration_s, 60)
     print(
         f"{facts.lines} lines, {facts.blocks} blocks, {facts.length_mm:.1f} mm,"
@@ -94,7 +94,9 @@ def gcode(file: FileArgument, config: ConfigOption = None) -> None:
         settings = configuration.load(config)
         machine = Machine.from_config(settings)
         nowhere = (0,) * len(machine.axes)
-        context = ProgramContext(settings, machine, nowhere, nowhere, (False,) * 3, {})
+        context = ProgramContext(
+            settings, machine, nowhere, nowhere, (False,) * len(machine.axes), {}
+        )
         out = sys.stdout
         for canonical in ProgramSource(file, context).moves():
             values = as_dict(canonical)

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from fraese.axiswords import axes_named, axis_words
+from fraese.axiswords import axes_named, axis_words, target
 from fraese.cli.session import note, watch_switches
 from fraese.cli.shared import (
     VALUES,
@@ -16,7 +16,6 @@ from fraese.cli.shared import (
     leave,
     with_options,
 )
-from fraese.config.axes import AXIS_NAMES
 from fraese.control.controller import Controller
 from fraese.errors import Cancelled, UsageError
 from fraese.program import open_program
@@ -75,21 +74,26 @@ def _announce(way: list[str], yes: bool) -> None:
 @app.command(context_settings=VALUES)
 @with_options
 def move(
-    words: Annotated[list[str], typer.Argument(metavar="X.. Y.. Z..", help="As in X10 Y-5.5.")],
+    words: Annotated[list[str], typer.Argument(metavar="X.. Y..", help="As in X10 Y-5.5.")],
     *,
     on: Drive,
     feed: FeedOption = None,
     relative: Annotated[bool, typer.Option("--relative", help="Distances from here.")] = False,
     machine: Annotated[bool, typer.Option("--machine", help="Machine coordinates.")] = False,
 ) -> None:
-    """Move one or several axes in a straight line, in mm, to work coordinates."""
+    """Move axes in a straight line to work coordinates, in mm; rotary ones in degrees."""
 
     def action(controller: Controller) -> None:
-        targets = axis_words(words)
+        there = target(" ".join(words), controller.machine.names)
         if feed is not None and not feed > 0:
             raise UsageError(f"--feed {feed:g}: a feed is above 0 mm/min.")
+        if feed is not None and there.feed_mm_min is not None:
+            raise UsageError("The feed is given twice: either --feed or F.")
         controller.move_to(
-            targets, relative=relative, machine_coordinates=machine, feed_mm_min=feed
+            there.targets_mm,
+            relative=relative,
+            machine_coordinates=machine,
+            feed_mm_min=feed or there.feed_mm_min,
         )
 
     on.do(action)
@@ -98,15 +102,17 @@ def move(
 @app.command(context_settings=VALUES)
 @with_options
 def jog(
-    axis: Annotated[str, typer.Argument(metavar="AXIS", help="X, Y or Z.")],
-    distance: Annotated[str, typer.Argument(metavar="MM", help="Signed distance, mm.")],
+    axis: Annotated[str, typer.Argument(metavar="AXIS", help="Its letter.")],
+    distance: Annotated[
+        str, typer.Argument(metavar="DISTANCE", help="Signed, in mm; rotary: degrees.")
+    ],
     *,
     on: Drive,
 ) -> None:
     """Move one axis a little way."""
 
     def action(controller: Controller) -> None:
-        words = axis_words([axis + distance])
+        words = axis_words(f"{axis} {distance}", controller.machine.names)
         if len(words) > 1:
             raise UsageError(f'"{axis} {distance}": a jog is of one axis, as in jog X 1.5.')
         for name, distance_mm in words.items():
@@ -119,7 +125,8 @@ def jog(
 @with_options
 def home(
     axes: Annotated[
-        list[str] | None, typer.Argument(metavar="[AXES]", help="As in Z X; all by default.")
+        list[str] | None,
+        typer.Argument(metavar="[AXES]", help="As in Z X; by default all that have end switches."),
     ] = None,
     *,
     on: Drive,
@@ -127,8 +134,13 @@ def home(
         bool, typer.Option("--measure", help="Run to the other end too, and measure the travel.")
     ] = False,
 ) -> None:
-    """Reference the axes at their end switches."""
-    on.do(lambda controller: controller.home(axes_named(axes or []), measure=measure or None))
+    """Reference the axes at their end switches; one without, by its name: here is its zero."""
+
+    def action(controller: Controller) -> None:
+        named = axes_named(axes or [], controller.machine.names)
+        controller.home(named, measure=measure or None)
+
+    on.do(action)
 
 
 @app.command()
@@ -167,7 +179,12 @@ def zero(
     on: Place,
 ) -> None:
     """Make the present position the work zero."""
-    on.do(lambda controller: controller.set_zero(axes_named(axes or []) or AXIS_NAMES))
+
+    def action(controller: Controller) -> None:
+        names = controller.machine.names
+        controller.set_zero(axes_named(axes or [], names) or names)
+
+    on.do(action)
 
 
 @app.command()

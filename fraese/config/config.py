@@ -5,10 +5,11 @@ from fractions import Fraction
 
 from pydantic import Field, field_validator, model_validator
 
-from fraese.config.axes import AXIS_NAMES, AxesConfig
+from fraese.config.axes import VERTICAL, AxesConfig, AxisConfig
 from fraese.config.section import Section
 from fraese.config.simulation import SimulationConfig
 from fraese.config.wiring import (
+    SOCKETS,
     CardConfig,
     OutputsConfig,
     PortConfig,
@@ -66,38 +67,76 @@ class Config(Section):
 
     @model_validator(mode="after")
     def _fits_together(self) -> "Config":
-        for name in AXIS_NAMES:
-            travel_mm = getattr(self.axes, name).travel_mm
-            usable_mm = Fraction(travel_mm) - 2 * Fraction(self.homing.pull_off_mm)
-            if usable_mm <= 0:
-                raise ValueError(
-                    f"homing.pull_off_mm ({self.homing.pull_off_mm:g}) leaves nothing of"
-                    f" axes.{name}.travel_mm ({travel_mm:g})"
-                )
-            steps = usable_mm * getattr(self.axes, name).steps_per_mm()
-            if not _FEWEST_STEPS <= steps <= _MOST_STEPS:
-                raise ValueError(
-                    f"steps_per_rev, gear and pitch_mm of axes.{name} give its travel"
-                    f" {float(steps):.3g} steps; it must be {_FEWEST_STEPS} to {_MOST_STEPS}"
-                )
+        self._check_sockets()
+        for name, axis in self.axes.table.items():
+            self._check_travel(name, axis)
+        self._check_order()
         self._check_safe_z()
         self._check_probe()
-        taken = {"smc1500": {1}, "stepdir": {16, 17}}[self.card.kind]
-        for name, output in self.outputs:
-            if output is None:
-                continue
-            if output.pin in taken:
-                raise ValueError(
-                    f"outputs.{name}.pin {output.pin} is taken already (card {self.card.kind})"
-                )
-            taken.add(output.pin)
+        self._check_outputs()
         return self
 
+    def _check_sockets(self) -> None:
+        kind = self.card.kind
+        names, most = self.axes.names, SOCKETS[kind]
+        if len(names) > most:
+            raise ValueError(
+                f'card.kind "{kind}" drives {most} motors at most, but axes.names has'
+                f" {len(names)}: {', '.join(names)}"
+            )
+        taken: dict[int, str] = {}
+        for name, socket in zip(names, self.axes.sockets, strict=True):
+            if socket >= most:
+                raise ValueError(
+                    f'axes.{name}.motor ({socket + 1}) is no socket of card.kind "{kind}", which'
+                    f" has 1 to {most}"
+                )
+            if socket in taken:
+                raise ValueError(
+                    f"axes.{taken[socket]}.motor and axes.{name}.motor are both {socket + 1}; by"
+                    " default an axis has its place in axes.names"
+                )
+            taken[socket] = name
+
+    def _check_travel(self, name: str, axis: AxisConfig) -> None:
+        if axis.travel is None:
+            return
+        key = f"axes.{name}.travel_{axis.key_unit}"
+        usable = Fraction(axis.travel) - 2 * Fraction(self.pull_off(axis))
+        if usable <= 0:
+            raise ValueError(
+                f"homing.pull_off_mm ({self.homing.pull_off_mm:g}) leaves nothing of"
+                f" {key} ({axis.travel:g})"
+            )
+        steps = usable * axis.steps_per_unit()
+        if not _FEWEST_STEPS <= steps <= _MOST_STEPS:
+            raise ValueError(
+                f"steps_per_rev, gear and pitch_{axis.key_unit} of axes.{name} give its travel"
+                f" {float(steps):.3g} steps; it must be {_FEWEST_STEPS} to {_MOST_STEPS}"
+            )
+
+    def _check_order(self) -> None:
+        for name in self.homing.order or ():
+            axis = self.axes.table.get(name)
+            if axis is None:
+                raise ValueError(f'homing.order names "{name}", which is not among axes.names')
+            if not axis.has_switches:
+                raise ValueError(
+                    f'homing.order names "{name}", which has no end switches: leave it out; it is'
+                    f" referenced by its name, home {name.upper()}"
+                )
+
     def _check_safe_z(self) -> None:
-        z, safe_mm = self.axes.z, self.run.safe_z_mm
-        usable_mm = float(z.travel_mm) - 2 * self.homing.pull_off_mm
+        z, safe_mm = self.axes.table.get(VERTICAL), self.run.safe_z_mm
+        if safe_mm is None:
+            return
+        if z is None:
+            raise ValueError("run.safe_z_mm is a height of Z, and there is no z in axes.names")
+        if z.travel is None:
+            return
+        usable_mm = float(z.travel) - 2 * self.pull_off(z)
         low_mm = 0 if z.home_end == "min" else -usable_mm
-        if safe_mm is not None and not low_mm <= safe_mm <= low_mm + usable_mm:
+        if not low_mm <= safe_mm <= low_mm + usable_mm:
             raise ValueError(
                 f"run.safe_z_mm ({safe_mm:g}) is outside the travel of Z,"
                 f" {low_mm:g} to {low_mm + usable_mm:g} mm in machine coordinates"
@@ -110,3 +149,21 @@ class Config(Section):
                 f"probe.closed_reads ({probe.closed_reads}) differs from switches.closed_reads"
                 f" ({switches.closed_reads}), on the same pin; leave out probe.pin"
             )
+
+    def _check_outputs(self) -> None:
+        taken = {"smc1500": {1}, "stepdir": {16, 17}}[self.card.kind]
+        for name, output in self.outputs.configured():
+            if output.pin in taken:
+                raise ValueError(
+                    f"outputs.{name}.pin {output.pin} is taken already (card {self.card.kind})"
+                )
+            taken.add(output.pin)
+
+    def pull_off(self, axis: AxisConfig) -> float:
+        """From a switch to the usable travel, in the unit of the axis; nothing without switches."""
+        return self.homing.pull_off_mm if axis.has_switches else 0.0
+
+    @property
+    def home_order(self) -> tuple[str, ...]:
+        """Axes of a reference run that is not told which, in order."""
+        return self.homing.order or self.axes.home_order

@@ -8,6 +8,7 @@ Rule 3: a complaint names file and key, says what is wrong and what would be rig
 
 import os
 import tomllib
+from collections.abc import Mapping
 from decimal import Decimal
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
@@ -16,6 +17,7 @@ import platformdirs
 import tomlkit
 from pydantic import ValidationError
 
+from fraese.config.axes import AxesConfig, LinearAxis, RotaryAxis
 from fraese.config.config import Config
 from fraese.config.section import Section
 from fraese.config.work import ToolConfig
@@ -25,6 +27,8 @@ FILE_NAME = "fraese.toml"
 #: Values in messages are cut behind this many characters.
 _SHOWN_CHARACTERS = 60
 _SCALARS = (int, float, str, Decimal)
+#: Kinds of a table that the place of a complaint names, but not the file.
+_KINDS: Mapping[str, type[Section]] = {"linear": LinearAxis, "rotary": RotaryAxis}
 
 
 def find_file(named: Path | None = None) -> Path | None:
@@ -78,7 +82,8 @@ def _sentence(error: ValidationError) -> str:
     """The first complaint as one sentence; how many more there are."""
     complaints = error.errors(include_url=False)
     first = complaints[0]
-    key = ".".join(str(part) for part in first["loc"])
+    place = [part for part in first["loc"] if part not in _KINDS]
+    key = ".".join(str(part) for part in place)
     if first["type"] == "extra_forbidden":
         parent = _section_at(first["loc"][:-1])
         known = ", ".join(sorted(parent.model_fields)) if parent else ""
@@ -109,6 +114,11 @@ def _section_at(location: tuple[int | str, ...]) -> type[Section] | None:
     for part in location:
         if section is ToolConfig:
             break  # the number of a tool: its keys are those of every tool
+        if section is AxesConfig and part in section.model_fields and part != "names":
+            continue  # which keys an axis has, its kind says
+        if part in _KINDS:
+            section = _KINDS[str(part)]
+            continue
         field = section.model_fields.get(part)
         if field is None:
             return None
@@ -168,8 +178,12 @@ def _annotate(section: Section, path: str, lines: list[str]) -> None:
         if isinstance(value, Section):
             tables.append((key, value))
             continue
+        if value is None and isinstance(section, AxesConfig):
+            continue  # one of the letters that this machine has not
         lines.append(f"# {field.description}{_choices(field.annotation)}{_bounds(field.metadata)}")
         lines.append(_entry(key, value, field.annotation))
+    if isinstance(section, AxesConfig):
+        lines += [f"# {line}" for line in section.example]
     for key, value in tables:
         _annotate(value, f"{path}.{key}" if path else key, lines)
 
@@ -188,9 +202,14 @@ def _example(annotation: Any) -> str:
     """A value for a key that has none by default."""
     if choices := _literals(annotation):
         return str(choices[-1])
+    options = get_args(annotation)
+    if any(get_origin(option) is tuple for option in options):
+        return '["z", "x", "y"]'
     examples = {float: "-2.0", int: "1"}
+    if Decimal in options:
+        return "360"
     return next(
-        (text for kind, text in examples.items() if kind in get_args(annotation)),
+        (text for kind, text in examples.items() if kind in options),
         "{ pin = 14, active_high = true }",
     )
 
@@ -206,7 +225,7 @@ def _literals(annotation: Any) -> tuple[Any, ...]:
 
 def _choices(annotation: Any) -> str:
     choices = ", ".join(str(choice) for choice in _literals(annotation))
-    return f" One of: {choices}." if choices else ""
+    return f" One of: {choices}." if ", " in choices else ""
 
 
 def _bounds(metadata: list[Any]) -> str:

@@ -1,11 +1,15 @@
 """What is wired to what: card, port, outputs, switches, probe, and the current at standstill."""
 
 import re
-from typing import Literal
+from collections.abc import Mapping
+from typing import Final, Literal
 
 from pydantic import Field, field_validator
 
 from fraese.config.section import Section
+
+#: Motors that a card drives at most.
+SOCKETS: Final[Mapping[str, int]] = {"smc1500": 3, "stepdir": 4}
 
 _DEVICE = re.compile(r"(/[^\x00-\x1f\x7f]{1,200}|COM[0-9]{1,3})?")
 

@@ -9,12 +9,15 @@ from fraese.config.section import NotNegative, Positive, Section
 
 
 class HomingConfig(Section):
-    """The reference run."""
+    """The reference run; on a rotary axis read degrees for mm."""
 
-    order: tuple[AxisName, ...] = Field(
-        ("z", "x", "y"),
+    order: tuple[AxisName, ...] | None = Field(
+        None,
         min_length=1,
-        description=("Axes in the order in which they are referenced; the vertical one first."),
+        description=(
+            "Axes in the order in which they are referenced; without it z first, then the others"
+            " that have end switches."
+        ),
     )
     approach_mm_min: Positive = Field(600, description="Feed towards the switch, mm/min.")
     slow_mm_min: Positive = Field(
@@ -45,14 +48,14 @@ class HomingConfig(Section):
 
     @field_validator("order")
     @classmethod
-    def _no_axis_twice(cls, value: tuple[str, ...]) -> tuple[str, ...]:
-        if len(set(value)) != len(value):
+    def _no_axis_twice(cls, value: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        if value is not None and len(set(value)) != len(value):
             raise ValueError("names an axis twice")
         return value
 
 
 class JogConfig(Section):
-    """Moving by hand."""
+    """Moving by hand; on a rotary axis read degrees for mm."""
 
     feed_mm_min: Positive = Field(600, description="Feed of jog moves, mm/min.")
     max_mm: Positive = Field(50, description="Longest single jog, mm.")
@@ -89,12 +92,12 @@ class RunConfig(Section):
     safe_z_mm: float | None = Field(
         None,
         description=(
-            "Height for moves above the work, machine coordinates, mm; without it, the upper end"
-            " of the travel."
+            "Height of Z for moves above the work, machine coordinates, mm; without it, the upper"
+            " end of the travel."
         ),
     )
     retract_mm: NotNegative = Field(
-        0, description="How far the tool is lifted while a program is held, mm; 0: it stays."
+        0, description="How far Z lifts the tool while a program is held, mm; 0: it stays."
     )
     list_unit: Literal["mm", "inch"] = Field(
         "mm", description="Unit of coordinate lists that do not say theirs."

@@ -218,7 +218,7 @@ class Controller:
             StateError: if the machine is not ready.
         """
         homing = self.config.homing
-        order: list[str] = [name for name in homing.order if not axes or name in axes]
+        order = [name for name in self.config.home_order if not axes or name in axes]
         order += [name for name in axes if name not in order]
         measure = homing.measure if measure is None else measure
         job = Homing(homing, self.position, self.switches, self.say, measure).job(order)

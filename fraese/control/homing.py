@@ -87,7 +87,8 @@ class Homing:
         zero_to_switch = axis.to_steps(self._config.pull_off_mm)
         measured_mm = axis.to_mm(abs(other) + zero_to_switch)
         yield from self._back_to_zero(axis)
-        return f"{name.upper()} (travel {measured_mm:.3f} mm, configured {axis.travel_mm:g} mm)"
+        measured = axis.with_unit(f"{measured_mm:.3f}")
+        return f"{name.upper()} (travel {measured}, configured {axis.with_unit(axis.travel_mm)})"
 
     def _back_to_zero(self, axis: Axis) -> _Steps:
         """The other end may lie outside the soft limits; home is where a reference run ends."""
@@ -104,8 +105,8 @@ class Homing:
         report = yield from self._go(axis, sign * search_mm, config.approach_mm_min, closed=True)
         if report.ended is not Ended.WATCH:
             raise HomingError(
-                f"End switch {end} was not found within {search_mm:g} mm: look at the switch"
-                f" and at axes.{axis.name}.travel_mm; the machine stands at"
+                f"End switch {end} was not found within {axis.with_unit(search_mm)}: look at the"
+                f" switch and at axes.{axis.name}.{axis.travel_key}; the machine stands at"
                 f" {self._position.in_words()}."
             )
         yield from self._open(axis, sign)
@@ -115,7 +116,7 @@ class Homing:
         if report.ended is not Ended.WATCH:
             raise HomingError(
                 f"End switch {end} closed once, but not again within"
-                f" {2 * config.back_off_max_mm:g} mm: look for a loose switch or wire."
+                f" {axis.with_unit(2 * config.back_off_max_mm)}: look for a loose switch or wire."
             )
         return self._position.latched_steps(report)[self._machine.index(axis.name)]
 
@@ -127,7 +128,7 @@ class Homing:
         if report.ended is not Ended.WATCH:
             raise HomingError(
                 f"End switch {self._name(axis, sign)} does not open again within"
-                f" {config.back_off_max_mm:g} mm: {self._wire()}"
+                f" {axis.with_unit(config.back_off_max_mm)}: {self._wire()}"
             )
         return report
 
@@ -143,7 +144,7 @@ class Homing:
         if report.switch_closed:
             raise HomingError(
                 f"End switch {self._name(axis, sign)} is still closed at the pull-off distance of"
-                f" {self._config.pull_off_mm:g} mm: make homing.pull_off_mm longer, or"
+                f" {axis.with_unit(self._config.pull_off_mm)}: make homing.pull_off_mm longer, or"
                 f" {self._wire()}"
             )
         return report

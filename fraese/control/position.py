@@ -95,10 +95,7 @@ class Position:
     def in_words(self) -> str:
         """The machine position in words."""
         position_mm = self.machine.to_mm(self.position_steps)
-        return " ".join(
-            f"{axis.name.upper()} {mm:.3f}"
-            for axis, mm in zip(self.machine.axes, position_mm, strict=True)
-        ) + " mm (machine)"  # fmt: skip
+        return self.machine.in_words(position_mm) + " (machine)"
 
     def take_up(
         self,

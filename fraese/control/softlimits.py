@@ -32,8 +32,9 @@ def require_reachable(position: Position, targets: Iterable[Steps]) -> None:
                     raise LimitError(_outside(axis, there, position.offset_mm[motor]))
             elif abs(there - here) > axis.travel_mm * axis.steps_per_mm:
                 raise LimitError(
-                    f"{axis.name.upper()} would move {abs(axis.to_mm(there - here)):.3f} mm,"
-                    f" further than its whole travel of {axis.travel_mm:g} mm."
+                    f"{axis.name.upper()} would move"
+                    f" {axis.with_unit(f'{abs(axis.to_mm(there - here)):.3f}')}, further than its"
+                    f" whole travel of {axis.with_unit(axis.travel_mm)}."
                 )
 
 
@@ -56,14 +57,14 @@ def within(position: Position, motor: int, target_steps: int) -> int:
 def limits_steps(position: Position, motor: int) -> tuple[int, int]:
     """Soft limits of an axis, or where it stands beyond one."""
     axis, here = position.machine.axes[motor], position.position_steps[motor]
-    return min(axis.to_steps(axis.low_mm), here), max(axis.to_steps(axis.high_mm), here)
+    return min(axis.low_steps, here), max(axis.high_steps, here)
 
 
 def outside_travel(axis: Axis, value_mm: float) -> str:
     """The sentence, without its end, for a position in machine coordinates."""
     return (
-        f"{axis.name.upper()} {value_mm:.3f} mm is outside the travel, {axis.low_mm:g} to"
-        f" {axis.high_mm:g} mm in machine coordinates"
+        f"{axis.name.upper()} {axis.with_unit(f'{value_mm:.3f}')} is outside the travel,"
+        f" {axis.low_mm:g} to {axis.with_unit(axis.high_mm)} in machine coordinates"
     )
 
 
@@ -106,7 +107,7 @@ def require_finite(axis: Axis, value_mm: float) -> None:
         LimitError: if it is not.
     """
     if not math.isfinite(value_mm):
-        raise LimitError(f"{axis.name.upper()} needs a number in mm, not {value_mm}.")
+        raise LimitError(f"{axis.name.upper()} needs a number, not {value_mm}.")
 
 
 def require_feed(feed_mm_min: float | None) -> None:

@@ -19,7 +19,6 @@ import numpy as np
 import numpy.typing as npt
 
 from fraese.config import Config
-from fraese.config.axes import AXIS_NAMES
 from fraese.doctor.findings import Finding, State
 from fraese.motor.cards.stepdir import STEPDIR_PROFILES
 from fraese.motor.realtime.kernel import KernelFacts
@@ -100,7 +99,7 @@ class Timing:
 
 def duty_of(card: Card, options: RealtimeOptions) -> Duty:
     """All axes together, at the highest rate that any of them is configured for."""
-    return Duty(card, options.top_rate_hz, len(AXIS_NAMES), options=options)
+    return Duty(card, options.top_rate_hz, card.motors, options=options)
 
 
 def limit_hz(config: Config) -> float:

@@ -7,6 +7,7 @@ Rule 2: where a field points is remembered while there is no current; a rotor th
 Rule 3: currents are what a clamp meter would show, not what was asked for.
 """
 
+from collections.abc import Sequence
 from typing import Final, Protocol
 
 from fraese.motor.mill import Mill
@@ -46,11 +47,19 @@ class SmcElectronics:
         clock: when it happens.
         levels: what the current codes really mean on this card.
         rest: the byte in whose field the rotors stand at first.
+        sockets: where each motor is plugged in, 0 to 2; empty: in order.
     """
 
     def __init__(
-        self, mill: Mill, clock: Clock, levels: tuple[int, int, int, int], rest: int = MOTRUN[0]
+        self,
+        mill: Mill,
+        clock: Clock,
+        levels: tuple[int, int, int, int],
+        rest: int = MOTRUN[0],
+        sockets: Sequence[int] = (),
     ) -> None:
+        sockets = sockets or range(len(mill.rotors))
+        self._motor_at = {socket: motor for motor, socket in enumerate(sockets)}
         self._mill = mill
         self._now_ns = clock.now_ns
         self._levels = levels
@@ -72,8 +81,8 @@ class SmcElectronics:
         self._control = value
 
     def _latch(self, byte: int) -> None:
-        motor = byte >> 6
-        if motor >= len(self._latched):
+        motor = self._motor_at.get(byte >> 6)
+        if motor is None:
             return
         self._latched[motor] = byte
         angle = self._angle_of[byte & 63]
@@ -110,13 +119,14 @@ class SmcElectronics:
 
 
 class StepDirElectronics:
-    """Step/direction drives: data bits 2k, 2k+1 are direction and clock of motor k.
+    """Step/direction drives: data bits 2k, 2k+1 are direction and clock of socket k.
 
     Args:
         mill: what the motors move.
         clock: when it happens.
         clock_idles_high: a step is then the falling edge.
         forward_high: level of the direction lines for positive steps.
+        sockets: where each motor is plugged in, 0 to 3; empty: in order.
     """
 
     def __init__(
@@ -125,8 +135,11 @@ class StepDirElectronics:
         clock: Clock,
         clock_idles_high: bool = False,
         forward_high: bool = True,
+        sockets: Sequence[int] = (),
     ) -> None:
         self._mill = mill
+        # Place of each motor's direction bit.
+        self._places = [2 * socket for socket in sockets or range(len(mill.rotors))]
         self._now_ns = clock.now_ns
         # Inverted wiring is turned round at the plug.
         self._inverted = (0xAA if clock_idles_high else 0) | (0 if forward_high else 0x55)
@@ -140,9 +153,9 @@ class StepDirElectronics:
         value ^= self._inverted
         rising = value & ~self._data
         self._data = value
-        for motor in range(len(self._mill.rotors)):
-            if rising >> 2 * motor & 2:
-                self._mill.turn(motor, 1 if value >> 2 * motor & 1 else -1, self._now_ns())
+        for motor, place in enumerate(self._places):
+            if rising >> place & 2:
+                self._mill.turn(motor, 1 if value >> place & 1 else -1, self._now_ns())
 
     def control(self, value: int) -> None:
         """ACTIVE and BOOST change the current, not the position."""

@@ -64,9 +64,9 @@ _CODE_OFF: Final = 0b11
 _MOTOR_SHIFT: Final = 6
 
 
-def motor_bits(motor: int) -> int:
-    """The two high bits that name a motor: X 0x00, Y 0x40, Z 0x80."""
-    return motor << _MOTOR_SHIFT
+def motor_bits(socket: int) -> int:
+    """The two high bits that name a motor's socket: X 0x00, Y 0x40, Z 0x80."""
+    return socket << _MOTOR_SHIFT
 
 
 class Currents(NamedTuple):

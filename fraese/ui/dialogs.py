@@ -12,11 +12,11 @@ from textual.binding import Binding
 from textual.containers import Horizontal, Vertical
 from textual.widgets import Button, Checkbox, DirectoryTree, Input, RadioButton, RadioSet
 
+from fraese.axiswords import Target, target
 from fraese.control.state import MachineState
 from fraese.errors import UsageError
 from fraese.ui.fact import Fact
 from fraese.ui.pages import LivePage
-from fraese.ui.targets import Target, parse_target
 
 R = TypeVar("R")
 
@@ -155,11 +155,11 @@ class GoToDialog(Dialog[GoTo]):
         text = self.query_one("#target", Input).value
         chosen = self.query_one(RadioSet).pressed_index
         try:
-            target = parse_target(text, self._axes)
+            there = target(text, self._axes)
         except UsageError as error:
             self.complain(str(error))
             return
-        self.dismiss(GoTo(target, list(From)[chosen], text))
+        self.dismiss(GoTo(there, list(From)[chosen], text))
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,16 +56,16 @@ def test_every_key_has_a_sentence() -> None:
 
 
 def test_every_bound_is_in_the_schema() -> None:
-    axis = configuration.schema()["$defs"]["AxisConfig"]["properties"]
+    axis = configuration.schema()["$defs"]["LinearAxis"]["properties"]
     assert axis["steps_per_rev"]["minimum"] == 1
     assert axis["max_rate_hz"]["exclusiveMinimum"] == 0
 
 
 def test_one_key_of_an_axis_leaves_the_others_at_their_defaults(tmp_path: Path) -> None:
     config = load(written(tmp_path, "[axes.z]\npitch_mm = 3.0\n"))
-    assert config.axes.z.home_end == "max"
-    assert config.axes.z.travel_mm == 60
-    assert config.axes.x == Config().axes.x
+    assert config.axes.table["z"].home_end == "max"
+    assert config.axes.table["z"].travel == 60
+    assert config.axes.table["x"] == Config().axes.table["x"]
 
 
 @pytest.mark.parametrize(
@@ -73,7 +73,26 @@ def test_one_key_of_an_axis_leaves_the_others_at_their_defaults(tmp_path: Path) 
     [
         ("axess = 1", "unknown key axess; known here: axes, card"),
         ("[axes.x]\nstep_per_rev = 400", "unknown key axes.x.step_per_rev; known here: acc"),
-        ("[axes.a]\npitch_mm = 2", "unknown key axes.a; known here: x, y, z"),
+        ("[axes.q]\npitch_mm = 2", "unknown key axes.q; known here: a, b, c, names, u, v, w, x"),
+        ("[axes.a]\npitch_mm = 2", 'axes.a: is not among axes.names; add it there: names = ["x", '),
+        ('[axes]\nnames = ["x", "q"]', "axes.names.1: must be 'x', 'y', 'z', 'a', "),
+        ('[axes]\nnames = ["x", "x"]', "axes.names: names an axis twice"),
+        ("[axes]\nnames = []", "axes.names: "),
+        ('[axes]\nnames = ["x", "y", "z", "a", "b"]', "axes.names: "),
+        ('[axes]\nnames = ["x", "y", "z", "a"]', 'card.kind "smc1500" drives 3 motors at most'),
+        ('[axes]\nnames = ["z"]\n[axes.z]\nmotor = 4', 'no socket of card.kind "smc1500"'),
+        ("[axes.y]\nmotor = 1", "axes.x.motor and axes.y.motor are both 1"),
+        ("[axes.x]\ntravel_deg = 90", "axes.x: travel_deg belongs to a rotary axis; this one has"),
+        ('[axes.x]\nkind = "rotary"\npitch_mm = 2', "pitch_mm belongs to a linear axis"),
+        ('[axes.x]\nkind = "round"', 'axes.x: an axis is a table, its kind "linear" or "rotary"'),
+        ('[axes.x]\nkind = "rotary"\nend_switches = true', "an endless axis has no end switches"),
+        ('[axes.x]\nkind = "rotary"\nfoo = 1', "unknown key axes.x.foo; known here: acceleration"),
+        ('[axes.x]\nkind = "rotary"\ntravel_deg = 1e9', "axes.x.travel_deg: "),
+        ('[axes]\nnames = ["x", "y"]\n[run]\nsafe_z_mm = 0', "there is no z in axes.names"),
+        (
+            '[axes.x]\nend_switches = false\n[homing]\norder = ["x"]',
+            'homing.order names "x", which has no end switches: leave it out',
+        ),
         ("[tools.1]\nlenght_mm = 2", "unknown key tools.1.lenght_mm; known here: diameter_mm"),
         ("[axes.x]\npitch_mm = 0", "axes.x.pitch_mm: "),
         ("[axes.x]\npitch_mm = -2.5", "not -2.5"),
@@ -104,7 +123,8 @@ def test_one_key_of_an_axis_leaves_the_others_at_their_defaults(tmp_path: Path) 
         ("[homing]\npull_off_mm = 30", "leaves nothing of axes.z.travel_mm"),
         ('[homing]\norder = ["x", "x"]', "names an axis twice"),
         ("[homing]\norder = []", "homing.order: "),
-        ('[homing]\norder = ["x", "a"]', "homing.order.1: "),
+        ('[homing]\norder = ["x", "q"]', "homing.order.1: "),
+        ('[homing]\norder = ["x", "a"]', 'homing.order names "a", which is not among axes.names'),
         ("[switches]\npin = 14", "switches.pin: "),
         ("[switches]\nclosed_reads = 2", "switches.closed_reads: "),
         ("[switches]\nreadings = 0", "switches.readings: "),
@@ -170,9 +190,47 @@ def test_the_named_file_comes_before_the_working_directory(
     assert load(other).jog.max_mm == 5
 
 
+def test_the_example_of_another_axis_loads(tmp_path: Path) -> None:
+    lines = configuration.annotated().splitlines()
+    example = [line.removeprefix("#").strip() for line in lines if line.startswith("#     ")]
+    config = load(written(tmp_path, "\n".join(example)))
+    assert config.axes.names == ("x", "y", "z", "a")
+    a = config.axes.table["a"]
+    assert (a.kind, a.travel, a.has_switches, a.motor) == ("rotary", None, False, 4)
+    assert a.steps_per_unit() == 100
+    assert config.home_order == ("z", "x", "y")
+
+
+def test_a_configuration_of_three_axes_by_their_tables_alone_means_what_it_did(
+    tmp_path: Path,
+) -> None:
+    config = load(written(tmp_path, "[axes.x]\n[axes.z]\ninverted = true\n"))
+    assert config.axes.names == ("x", "y", "z")
+    assert [axis.travel for axis in config.axes.table.values()] == [300, 200, 60]
+    assert [axis.home_end for axis in config.axes.table.values()] == ["min", "min", "max"]
+    assert config.axes.sockets == (0, 1, 2)
+    assert config.home_order == ("z", "x", "y")
+
+
+def test_motors_are_swapped_by_two_numbers(tmp_path: Path) -> None:
+    config = load(written(tmp_path, "[axes.x]\nmotor = 2\n[axes.y]\nmotor = 1\n"))
+    assert config.axes.sockets == (1, 0, 2)
+    config = load(written(tmp_path, '[axes]\nnames = ["y", "w"]\n[axes.w]\nmotor = 3\n'))
+    assert config.axes.sockets == (0, 2)
+
+
+def test_what_has_no_switches_is_not_in_the_reference_run(tmp_path: Path) -> None:
+    text = '[card]\nkind = "stepdir"\n[axes]\nnames = ["x", "c", "z", "u"]\n'
+    assert load(written(tmp_path, text)).home_order == ("z", "x", "u")
+    text += "[axes.u]\nend_switches = false\n"
+    assert load(written(tmp_path, text)).home_order == ("z", "x")
+    text += "[axes.c]\ntravel_deg = 90\nend_switches = true\n"
+    assert load(written(tmp_path, text)).home_order == ("z", "x", "c")
+
+
 def test_decimals_are_read_exactly(tmp_path: Path) -> None:
     config = load(written(tmp_path, "[axes.x]\npitch_mm = 0.1\ngear = 2.5\n"))
-    assert config.axes.x.steps_per_mm() == 10_000
+    assert config.axes.table["x"].steps_per_unit() == 10_000
 
 
 def test_a_key_is_written_back_with_the_comments_kept(tmp_path: Path) -> None:
@@ -181,7 +239,7 @@ def test_a_key_is_written_back_with_the_comments_kept(tmp_path: Path) -> None:
     write_key(path, "axes.x", "inverted", True)
     assert path.read_text().startswith("# mine\n[jog]\nmax_mm = 3 # short\n")
     assert load(path).jog.feed_mm_min == 300
-    assert load(path).axes.x.inverted
+    assert load(path).axes.table["x"].inverted
     before = path.read_text()
     with pytest.raises(ConfigError, match="jog"):
         write_key(path, "jog", "max_mm", -1)

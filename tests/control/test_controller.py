@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fraese.assembly import Plant
-from fraese.config.axes import AxisConfig
+from fraese.config.axes import LinearAxis
 from fraese.control.state import Status
 from fraese.errors import LimitError, PortError, SilenceAlarm, StateError, StopAlarm
 from fraese.machine import Machine
@@ -53,8 +53,8 @@ def position(made: Plant) -> tuple[int, ...]:
 def test_any_number_of_round_trips_keeps_the_step(
     steps_per_rev: int, pitch: Any, gear: tuple[int, int], steps: int
 ) -> None:
-    config = AxisConfig(steps_per_rev=steps_per_rev, pitch_mm=pitch, gear=f"{gear[0]}/{gear[1]}")
-    assert config.steps_per_mm() == Fraction(steps_per_rev) * Fraction(*gear) / Fraction(pitch)
+    config = LinearAxis(steps_per_rev=steps_per_rev, pitch_mm=pitch, gear=f"{gear[0]}/{gear[1]}")
+    assert config.steps_per_unit() == Fraction(steps_per_rev) * Fraction(*gear) / Fraction(pitch)
     machine = Machine.from_config(configured(axes={"x": config.model_dump()}))
     axis = machine.axes[0]
     at = steps

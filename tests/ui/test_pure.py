@@ -4,13 +4,11 @@ import pytest
 
 from fraese.control.state import MachineState, Status
 from fraese.control.switchtest import SwitchTest
-from fraese.errors import UsageError
 from fraese.ui.feed import StateFeed
 from fraese.ui.jogging import Jog
 from fraese.ui.keys import COMMANDS, GROUPS, WIDTHS, RepeatRule
 from fraese.ui.position import millimetres
 from fraese.ui.status import clock_words, status_word, switch_words
-from fraese.ui.targets import parse_target
 
 AXES = ("x", "y", "z")
 
@@ -61,43 +59,6 @@ def test_every_command_has_its_own_keys_and_a_group() -> None:
 
 def test_widths_reach_from_a_half_step_to_10_mm() -> None:
     assert [width.mm for width in WIDTHS] == [None, 0.01, 0.1, 1.0, 10.0]
-
-
-@pytest.mark.parametrize(
-    ("text", "targets", "feed"),
-    [
-        ("X10 Y5 Z-1 F300", {"x": 10.0, "y": 5.0, "z": -1.0}, 300.0),
-        ("x.5y-2", {"x": 0.5, "y": -2.0}, None),
-        ("  Z +3. ", {"z": 3.0}, None),
-    ],
-)
-def test_targets(text: str, targets: dict[str, float], feed: float | None) -> None:
-    target = parse_target(text, AXES)
-    assert (target.targets_mm, target.feed_mm_min) == (targets, feed)
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("", "at least one axis"),
-        ("F300", "at least one axis"),
-        ("X1,5", "decimal point"),
-        ("X", '"X" is not'),
-        ("10", '"10" is not'),
-        ("X1 Y1e3", "no axis E"),
-        ("Xnan", '"Xnan" is not'),
-        ("A5", "no axis A"),
-        ("X1 X2", "X is given twice"),
-        ("X1 F0", "above 0"),
-        ("X1 F-5", "above 0"),
-    ],
-)
-def test_bad_targets_are_refused_in_one_sentence(text: str, said: str) -> None:
-    with pytest.raises(UsageError, match=r"\.$") as caught:
-        parse_target(text, AXES)
-    sentence = str(caught.value)
-    assert said in sentence
-    assert "\n" not in sentence
 
 
 def test_feed_keeps_the_latest_and_posts_once() -> None:

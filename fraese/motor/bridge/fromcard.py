@@ -37,7 +37,7 @@ def _smc_facts(card: SmcCard) -> CardFacts:
         control_rest=card.lines.rest,
         strobe=CONTROL_PINS[1].bit,
         outputs=_outputs(card.lines.outputs),
-        motor_bits=tuple(motor_bits(motor) for motor in range(card.motors)),
+        motor_bits=tuple(motor_bits(socket) for socket in card.sockets),
         off=MOTZERO,
         beat_cycles=card.beat_cycles,
     )

@@ -41,8 +41,11 @@ class SmcCard:
         levels: level map, a row of ``LEVEL_MAPS``; only used to derive the holding table.
         outputs: free outputs on pins 14, 16 and 17; pin 1 is the strobe.
         motors: 1 to 3.
+        sockets: where each motor is plugged in, 0 to 2; empty: in order.
 
     Attributes:
+        motors: how many.
+        sockets: as given.
         table: drive table.
         hold_table: the bytes at ``IdleLevel.HOLD``; empty: off as well.
         lines: the control register.
@@ -61,8 +64,10 @@ class SmcCard:
         levels: tuple[int, int, int, int] = (100, 60, 20, 0),
         outputs: Sequence[OutputPin] = (),
         motors: int = 3,
+        sockets: Sequence[int] = (),
     ) -> None:
-        self.motors = motors
+        self.sockets = tuple(sockets) or tuple(range(motors))
+        self.motors = motors = len(self.sockets)
         self.table = table
         self.hold_table = holding_table(table, holding_percent, levels) if holding_percent else b""
         self.lines = ControlLines(0, outputs)
@@ -88,18 +93,18 @@ class SmcCard:
         if control not in self._made:
             self._made[control] = [
                 [
-                    (*self._latch(motor_bits(motor) | byte), Entry(STATUS, motor))
+                    (*self._latch(motor_bits(socket) | byte), Entry(STATUS, motor))
                     for byte in self.table
                 ]
-                for motor in range(self.motors)
+                for motor, socket in enumerate(self.sockets)
             ]
         return self._made[control]
 
     def _stand(self, table: bytes) -> Entries:
         return tuple(
             entry
-            for motor, index in enumerate(self._index)
-            for entry in self._latch(motor_bits(motor) | table[index])
+            for socket, index in zip(self.sockets, self._index, strict=True)
+            for entry in self._latch(motor_bits(socket) | table[index])
         )
 
     def begin(self, directions: Sequence[int], leader: int) -> Entries:

@@ -38,7 +38,7 @@ STEPDIR_PROFILES: Final = {
 
 
 class StepDirCard:
-    """Step/direction drives: data bits 2k and 2k+1 are direction and clock of motor k.
+    """Step/direction drives: data bits 2k and 2k+1 are direction and clock of socket k.
 
     Args:
         profile: a row of ``STEPDIR_PROFILES``.
@@ -48,8 +48,11 @@ class StepDirCard:
         enable: bit of ``outputs`` that carries the drives' enable, or None. The wiring has no
             enable line of its own; without one the current cannot be switched off here.
         motors: 1 to 4.
+        sockets: where each motor is plugged in, 0 to 3; empty: in order.
 
     Attributes:
+        motors: how many.
+        sockets: as given.
         clock_rest: data bits that are 1 while the clocks rest.
         forward_high: as given.
         enable_mask: the output that carries the drives' enable, a bit.
@@ -67,8 +70,10 @@ class StepDirCard:
         outputs: Sequence[OutputPin] = (),
         enable: int | None = None,
         motors: int = 4,
+        sockets: Sequence[int] = (),
     ) -> None:
-        self.motors = motors
+        self.sockets = tuple(sockets) or tuple(range(motors))
+        self.motors = motors = len(self.sockets)
         self.setup_cycles = profile.setup_cycles
         self.pulse_cycles = profile.pulse_cycles
         self.forward_high = forward_high
@@ -76,7 +81,7 @@ class StepDirCard:
         self.enable_mask = 0 if enable is None else 1 << enable
         # All four control pins low: ACTIVE and BOOST off.
         self.lines = ControlLines(0b1011, outputs)
-        clocks = [2 << 2 * motor for motor in range(motors)]
+        clocks = [2 << 2 * socket for socket in self.sockets]
         self.clock_rest = sum(clocks) if clock_idles_high else 0
         self._clocks = [
             sum(clock for motor, clock in enumerate(clocks) if moving >> motor & 1)
@@ -101,8 +106,8 @@ class StepDirCard:
         """Direction bits of the motors that will move; the others keep theirs."""
         self._directions[:] = directions
         data = self._data
-        for motor, direction in enumerate(directions):
-            bit = 1 << 2 * motor
+        for socket, direction in zip(self.sockets, directions, strict=True):
+            bit = 1 << 2 * socket
             if direction:
                 data = data | bit if direction == self._forward else data & ~bit
         if data == self._data:
