@@ -11,10 +11,9 @@ from fraese.motor.cards.smc1500 import SmcCard
 from fraese.motor.clock import VirtualClock
 from fraese.motor.core import MotorCore
 from fraese.motor.electronics import SmcElectronics
-from fraese.motor.mill import Mill
+from fraese.motor.mill import Mill, Slide
 from fraese.motor.phases import LEVEL_MAPS
 from fraese.motor.ports.sim import SimulatedMill
-from fraese.motor.rotor import RotorLimits
 from fraese.planner.ramps import trapezoid
 
 STEPS: Final = 150_000
@@ -23,7 +22,7 @@ REPEATS: Final = 3
 
 def _core() -> MotorCore:
     clock = VirtualClock()
-    mill = Mill([2 * STEPS + 1000] * 3, [RotorLimits()] * 3)
+    mill = Mill([Slide(2 * STEPS + 1000)] * 3)
     electronics = SmcElectronics(mill, clock, LEVEL_MAPS["field"])
     return MotorCore(SimulatedMill(mill, electronics, clock), SmcCard(), clock)
 

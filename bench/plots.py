@@ -16,10 +16,9 @@ from fraese.motor.cards.stepdir import StepDirCard
 from fraese.motor.clock import VirtualClock
 from fraese.motor.core import MotorCore
 from fraese.motor.electronics import StepDirElectronics
-from fraese.motor.mill import Mill
+from fraese.motor.mill import Mill, Slide
 from fraese.motor.ports.recorder import Recorder
 from fraese.motor.ports.sim import SimulatedMill
-from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import DATA
 from fraese.planner.lines import plan_line
 from fraese.planner.planner import Planner
@@ -192,7 +191,7 @@ def hold(machine: Machine) -> Chart:
     blocks = [*planner.line((6.0, 0.0, 0.0), 900), *planner.line((12.0, 2.0, 0.0), 900)]
     blocks += planner.finish()
     clock = VirtualClock()
-    mill = Mill([100_000] * 3, [RotorLimits()] * 3)
+    mill = Mill([Slide(100_000)] * 3)
     port = Recorder(SimulatedMill(mill, StepDirElectronics(mill, clock), clock), clock)
     core = MotorCore(port, StepDirCard(motors=3), clock, settle_s=0)
     for block in blocks:

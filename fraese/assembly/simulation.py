@@ -13,7 +13,7 @@ from fraese.config import Config
 from fraese.control.endswitches import contact_bits
 from fraese.machine import Machine
 from fraese.motor.electronics import Electronics, SmcElectronics, StepDirElectronics
-from fraese.motor.mill import Mill
+from fraese.motor.mill import Mill, Slide
 from fraese.motor.phases import LEVEL_MAPS, TURN_STEPS
 from fraese.motor.ports.sim import SimulatedMill, Wiring
 from fraese.motor.rotor import RotorLimits
@@ -56,16 +56,17 @@ def simulated_mill(config: Config, machine: Machine, clock: Clock) -> SimulatedM
     )
     scale = HALF_STEPS[config.card.kind](config)
     mill = Mill(
-        travel_steps=[round(axis.to_steps(axis.travel_mm) * scale) for axis in machine.axes],
-        limits=[limits] * len(machine.axes),
-        overrun_steps=max(
-            round(axis.to_steps(simulation.overrun_mm) * scale) for axis in machine.axes
-        ),
+        [
+            Slide(
+                round(axis.to_steps(axis.travel_mm) * scale),
+                limits,
+                round(axis.to_steps(simulation.overrun_mm) * scale),
+                round(axis.to_steps(simulation.backlash_mm) * scale),
+            )
+            for axis in machine.axes
+        ],
         lag_s=simulation.lag_ms / 1000,
         bounce_readings=simulation.bounce_readings,
-        backlash_steps=[
-            round(axis.to_steps(simulation.backlash_mm) * scale) for axis in machine.axes
-        ],
     )
     wiring = Wiring(*contact_bits(config.switches))
     return SimulatedMill(mill, ELECTRONICS[config.card.kind](mill, clock, config), clock, wiring)

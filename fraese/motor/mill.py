@@ -4,44 +4,86 @@ Rule 1: a carriage follows its rotor, after the rotor has turned through the bac
 Rule 2: a switch is pressed by a carriage at its end of travel or beyond, or by hand.
 Rule 3: switches are felt after every movement that may have changed them: at or beyond an end, and
         everywhere while one is pressed.
+Rule 4: everything here is counted in half-steps of the motor, and in its direction: which way that
+        moves a carriage, and how far in millimetres, is known further up.
 """
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 from fraese.motor.contacts import Contacts
+from fraese.motor.phases import TURN_STEPS
 from fraese.motor.rotor import Rotor, RotorLimits
 from fraese.motor.seams import End
+
+
+@dataclass(frozen=True, slots=True)
+class Slide:
+    """A motor and what it moves, in half-steps of the motor.
+
+    Attributes:
+        travel_steps: from one end to the other; infinite: it turns endlessly.
+        limits: what the motor can follow.
+        overrun_steps: from an end of the travel to the mechanical end behind it.
+        backlash_steps: how far the rotor turns back before its carriage follows.
+        has_switches: an end switch at both ends of the travel.
+        steps_in_turn: steps of the electronics in which the field makes one electrical turn.
+    """
+
+    travel_steps: float
+    limits: RotorLimits = field(default_factory=RotorLimits)
+    overrun_steps: float = 400
+    backlash_steps: float = 0
+    has_switches: bool = True
+    steps_in_turn: int = TURN_STEPS
+
+    @property
+    def middle_steps(self) -> int:
+        """Where the carriage of a new machine stands."""
+        return 0 if math.isinf(self.travel_steps) else int(self.travel_steps // 2)
+
+    @property
+    def ends_steps(self) -> tuple[float, float]:
+        """The mechanical ends."""
+        if math.isinf(self.travel_steps):
+            return -math.inf, math.inf
+        return -self.overrun_steps, self.travel_steps + self.overrun_steps
+
+    @property
+    def switches_steps(self) -> tuple[float, float]:
+        """From where on the carriage presses its switches, downwards and upwards."""
+        if self.has_switches and not math.isinf(self.travel_steps):
+            return 0, self.travel_steps
+        return -math.inf, math.inf
 
 
 class Mill:
     """Rotors, carriages and switches of a machine; what a person sees and can do.
 
     Args:
-        travel_steps: from switch to switch, per motor.
-        limits: what each motor can follow.
-        overrun_steps: from a switch to the mechanical end behind it.
+        slides: one for each motor.
         lag_s: see ``Contacts``.
         bounce_readings: see ``Contacts``.
-        backlash_steps: how far a rotor turns back before its carriage follows, per motor.
+
+    Attributes:
+        slides: as given.
+        rotors: one for each motor.
+        switches_steps: from where on each carriage presses its switches.
+        contacts: the switches.
     """
 
     def __init__(
-        self,
-        travel_steps: Sequence[int],
-        limits: Sequence[RotorLimits],
-        overrun_steps: int = 400,
-        lag_s: float = 0.0,
-        bounce_readings: int = 0,
-        backlash_steps: Sequence[int] = (),
+        self, slides: Sequence[Slide], lag_s: float = 0.0, bounce_readings: int = 0
     ) -> None:
-        self.travel_steps = tuple(travel_steps)
+        self.slides = tuple(slides)
         self.rotors = [
-            Rotor(travel // 2, -overrun_steps, travel + overrun_steps, limit)
-            for travel, limit in zip(travel_steps, limits, strict=True)
+            Rotor(slide.middle_steps, *slide.ends_steps, slide.limits, slide.steps_in_turn)
+            for slide in slides
         ]
+        self.switches_steps = [slide.switches_steps for slide in slides]
         self.contacts = Contacts(lag_s, bounce_readings)
-        self._backlash_steps = tuple(backlash_steps) or (0,) * len(self.rotors)
-        self._has_backlash = any(self._backlash_steps)
+        self._has_backlash = any(slide.backlash_steps for slide in slides)
         # Carriage ahead of rotor: between nothing and the backlash.
         self._slack_steps = [0.0] * len(self.rotors)
         self._by_hand: set[End] = set()
@@ -56,13 +98,15 @@ class Mill:
         else:
             rotor.turn(delta, now_ns)
         position_steps = rotor.position_steps + self._slack_steps[motor]
-        if not 0 < position_steps < self.travel_steps[motor] or self.contacts.any_pressed:
+        low_steps, high_steps = self.switches_steps[motor]
+        if not low_steps < position_steps < high_steps or self.contacts.any_pressed:
             self.feel(motor, now_ns)
 
     def _drag(self, motor: int, turned_steps: float) -> None:
         """The rotor turns within the play before its carriage follows."""
         slack_steps = self._slack_steps[motor] - turned_steps
-        self._slack_steps[motor] = min(max(slack_steps, 0.0), self._backlash_steps[motor])
+        most_steps = self.slides[motor].backlash_steps
+        self._slack_steps[motor] = min(max(slack_steps, 0.0), most_steps)
 
     def set_slack(self, slack_steps: Sequence[float]) -> None:
         """Take up the play as it was left; the carriages stay where they are."""
@@ -75,14 +119,15 @@ class Mill:
     def feel(self, motor: int, now_ns: int) -> None:
         """Press or leave the switches of one carriage."""
         position_steps = self.rotors[motor].position_steps + self._slack_steps[motor]
+        low_steps, high_steps = self.switches_steps[motor]
         for end, at_end in (
-            (End(motor, -1), position_steps <= 0),
-            (End(motor, 1), position_steps >= self.travel_steps[motor]),
+            (End(motor, -1), position_steps <= low_steps),
+            (End(motor, 1), position_steps >= high_steps),
         ):
             self.contacts.change(end, at_end or end in self._by_hand, now_ns)
 
     def carriages_steps(self) -> tuple[float, ...]:
-        """Where the carriages are, from the lower switch."""
+        """Where the carriages are, from the lower end of the travel."""
         return tuple(
             rotor.position_steps + slack
             for rotor, slack in zip(self.rotors, self._slack_steps, strict=True)

@@ -4,24 +4,31 @@ Rule 1: a rotor turns to the nearest angle that the field asks for. The field an
         both counted without wrapping; what lies between them is lost.
 Rule 2: a rotor follows while its rate stays under its maximum, and while from one electrical turn
         to the next the rate changes by no more than its start/stop rate plus what its
-        acceleration allows. Judged over eight half-steps, so that the uneven beat of a minor axis
-        is not taken for a jerk; inertia smooths that in a real one too.
+        acceleration allows. Judged over eight steps, or one electrical turn where a step is less
+        than a half-step, so that the uneven beat of a minor axis is not taken for a jerk; inertia
+        smooths that in a real one too.
 Rule 3: beyond that it stalls: it stays where it is until the field is slow enough to catch it
         again, a whole number of electrical turns away. So does a rotor that a hand or a missing
         current kept from following, if the field is fast by the time that it is free.
 Rule 4: a rotor whose field stops dead above the start/stop rate overshoots by one turn. How fast
         it was at the end is judged from the last steps, in its favour: as if it had braked.
 Rule 5: a carriage sits on its rotor. At the mechanical end it cannot go on; the rotor slips.
+Rule 6: a rotor remembers what first kept it from following, until somebody has been told, or until
+        it has caught up with nothing lost.
+Rule 7: angles are whole parts of a power of two, so that sums of them are exact.
 """
 
 import math
 from dataclasses import dataclass
+from enum import Enum
 from typing import Final
 
 from fraese.motor.phases import TURN_STEPS
 
 _NS_PER_S: Final = 1_000_000_000
-#: A window of eight beats of a minor axis is uneven by up to one step.
+#: A rate is judged over so many steps at least.
+_WINDOW: Final = 8
+#: A window of beats of a minor axis is uneven by up to one step, and never judged finer than this.
 _UNEVEN_STEPS: Final = 1.0
 #: A rotor that runs too fast slips when its field is further ahead than this.
 _MAX_LAG_STEPS: Final = 1.5
@@ -29,9 +36,21 @@ _MAX_LAG_STEPS: Final = 1.5
 _FUZZ: Final = 1.15
 
 
+class Hindrance(Enum):
+    """What keeps a rotor from following its field."""
+
+    TOO_FAST = "too fast"
+    TOO_STEEP = "too steep"
+    STOPPED_DEAD = "stopped too suddenly"
+    BLOCKED = "blocked"
+    AT_END = "at the mechanical end"
+    NO_CURRENT = "without current"
+    JUMP = "its field jumped"
+
+
 @dataclass(frozen=True, slots=True)
 class RotorLimits:
-    """What a motor can follow.
+    """What a motor can follow; rates in half-steps.
 
     Attributes:
         max_rate_hz: above it the motor hums, warms and does not move.
@@ -56,18 +75,35 @@ class Rotor:
         high_steps: a little behind the switches.
         blocked: somebody holds the carriage.
         powered: there is current in the coils.
+        hindrance: what first kept it from following since ``forget``; None: nothing did.
+
+    Args:
+        position_steps: where it stands.
+        low_steps: the mechanical ends of the carriage's way, which may be infinite,
+        high_steps: from below to above.
+        limits: what it can follow.
+        steps_in_turn: steps in which its field makes one electrical turn.
     """
 
     __slots__ = (
-        "_before_s", "_count", "_jump_hz", "_lag", "_loose", "_mark_ns", "_net", "_offset",
-        "_rate_hz", "_rest_ns", "_seen_ns", "_stalled", "blocked", "field_steps", "high_steps",
-        "limits", "low_steps", "position_steps", "powered",
+        "_before_s", "_count", "_forgiven", "_jump_hz", "_lag", "_loose", "_mark_ns", "_net",
+        "_offset", "_rate_hz", "_rest_ns", "_seen_ns", "_stalled", "_step", "_uneven", "_window",
+        "blocked", "field_steps", "high_steps", "hindrance", "limits", "low_steps",
+        "position_steps", "powered",
     )  # fmt: skip
 
     def __init__(
-        self, position_steps: float, low_steps: float, high_steps: float, limits: RotorLimits
+        self,
+        position_steps: float,
+        low_steps: float,
+        high_steps: float,
+        limits: RotorLimits,
+        steps_in_turn: int = TURN_STEPS,
     ) -> None:
         self.limits = limits
+        self._window = max(_WINDOW, steps_in_turn)
+        self._step = TURN_STEPS / steps_in_turn
+        self._uneven = max(_UNEVEN_STEPS, self._step)
         self.low_steps = low_steps
         self.high_steps = high_steps
         self.blocked = False
@@ -84,6 +120,7 @@ class Rotor:
         self._offset = position_steps
         self._loose = False
         self._stalled = False
+        self.forget()
         self._begin_window(self._seen_ns)
 
     @property
@@ -95,6 +132,17 @@ class Rotor:
         """Take up a loss from an earlier run."""
         self.field_steps = lost_steps
         self._loose = bool(lost_steps % TURN_STEPS)
+        self.forget()
+
+    @property
+    def missed_steps(self) -> float:
+        """What it has lost since ``forget``."""
+        return self.lost_steps - self._forgiven
+
+    def forget(self) -> None:
+        """What is lost so far has been told; from here on it counts anew."""
+        self._forgiven = self.lost_steps
+        self.hindrance: Hindrance | None = None
 
     def turn(self, delta: float, now_ns: int) -> None:
         """The field turned by ``delta`` half-steps, -4 to +4."""
@@ -103,7 +151,7 @@ class Rotor:
         else:
             self._net += delta
             self._count += 1
-            if self._count == TURN_STEPS:
+            if self._count == self._window:
                 self._judge(now_ns)
         self._seen_ns = now_ns
         self.field_steps += delta
@@ -115,24 +163,40 @@ class Rotor:
             self.position_steps = target
         else:
             self._loose = True
+            self._blame(Hindrance.BLOCKED if self.blocked else Hindrance.AT_END)
 
     def settle(self, now_ns: int) -> None:
         """Somebody looks: a rotor that has had no step for a while has come to rest."""
         if now_ns - self._seen_ns > self._rest_ns:
             self._come_to_rest(self._seen_ns)
 
+    def rest(self) -> None:
+        """No step will follow for a while."""
+        self._come_to_rest(self._seen_ns)
+
     def relock(self) -> None:
         """Turn towards the nearest angle that the field asks for, as far as nothing hinders it."""
         self._loose = True
         if self._stalled or self.blocked or not self.powered:
+            # A stall has been blamed already.
+            if not self._stalled:
+                self._blame(Hindrance.BLOCKED if self.blocked else Hindrance.NO_CURRENT)
             return
         half = TURN_STEPS / 2
         error = (self.lost_steps + half) % TURN_STEPS - half
         if error == -half:
+            self._blame(Hindrance.JUMP)
             return  # the field pulls both ways
         target = self.position_steps + error
         self.position_steps = min(max(target, self.low_steps), self.high_steps)
         self._loose = self.position_steps != target
+        if self._loose:
+            self._blame(Hindrance.AT_END)
+        elif self.lost_steps == self._forgiven:
+            self.hindrance = None
+
+    def _blame(self, hindrance: Hindrance) -> None:
+        self.hindrance = self.hindrance or hindrance
 
     def energise(self) -> None:
         """Current comes on."""
@@ -155,13 +219,13 @@ class Rotor:
     def _rate_before_rest_hz(self) -> float:
         """Signed rate at the last step, leaving out unevenness and what braking may have shed."""
         took_ns = self._seen_ns - self._mark_ns
-        if self._count < TURN_STEPS // 2 or took_ns <= 0:
-            mean_hz, steps_since = self._rate_hz, TURN_STEPS / 2 + self._count
+        if self._count < self._window // 2 or took_ns <= 0:
+            mean_hz, beats_since = self._rate_hz, self._window / 2 + self._count
         else:
-            sure = max(0.0, abs(self._net) - _UNEVEN_STEPS)
+            sure = max(0.0, abs(self._net) - self._uneven)
             mean_hz = math.copysign(sure, self._net) * _NS_PER_S / took_ns
-            steps_since = self._count / 2
-        squared = mean_hz**2 - 2 * self.limits.acceleration_hz_s * steps_since
+            beats_since = self._count / 2
+        squared = mean_hz**2 - 2 * self.limits.acceleration_hz_s * beats_since * self._step
         return math.copysign(math.sqrt(max(0.0, squared)), mean_hz)
 
     def _come_to_rest(self, now_ns: int) -> None:
@@ -171,13 +235,14 @@ class Rotor:
             target = self.position_steps + (TURN_STEPS if rate_hz > 0 else -TURN_STEPS)
             if self.low_steps <= target <= self.high_steps:
                 self.position_steps = target
+                self._blame(Hindrance.STOPPED_DEAD)
         self._begin_window(now_ns)
         if self._stalled:
             self._stalled = False
             self.relock()
 
     def _judge(self, now_ns: int) -> None:
-        """Eight steps later: could the rotor follow?"""
+        """A window of steps later: could the rotor follow?"""
         took_s = (now_ns - self._mark_ns) / _NS_PER_S
         net, limits = self._net, self.limits
         if self._stalled:
@@ -191,8 +256,11 @@ class Rotor:
             jerk = abs(net - before) if net * before >= 0 else max(abs(net), abs(before))
             self._lag = max(0.0, self._lag + abs(net) - limits.max_rate_hz * took_s)
             too_fast_to_catch = self._loose and abs(net) > _FUZZ * self._jump_hz * took_s
-            if jerk > may_gain + _UNEVEN_STEPS or self._lag > _MAX_LAG_STEPS or too_fast_to_catch:
+            if jerk > may_gain + self._uneven or self._lag > _MAX_LAG_STEPS or too_fast_to_catch:
                 self._stalled = self._loose = True
+                too_fast = abs(net) > limits.max_rate_hz * took_s + self._uneven
+                behind = too_fast or too_fast_to_catch or self._lag > _MAX_LAG_STEPS
+                self._blame(Hindrance.TOO_FAST if behind else Hindrance.TOO_STEEP)
         self._rate_hz = net / took_s if took_s else 0.0
         self._before_s = took_s
         self._mark_ns = now_ns

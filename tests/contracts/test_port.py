@@ -13,12 +13,11 @@ import pytest
 
 from fraese.motor.clock import VirtualClock
 from fraese.motor.electronics import SmcElectronics, StepDirElectronics
-from fraese.motor.mill import Mill
+from fraese.motor.mill import Mill, Slide
 from fraese.motor.phases import LEVEL_MAPS
 from fraese.motor.ports.null import NullPort
 from fraese.motor.ports.recorder import Access, Recorder
 from fraese.motor.ports.sim import SimulatedMill
-from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import CONTROL, DATA, STATUS, End, Port
 from tests.rigs.lpt.fakeport import FakePort, missing
 from tests.rigs.lpt.remote import RemotePort
@@ -36,7 +35,7 @@ class Rig:
 
 def simulated(kind: str) -> tuple[SimulatedMill, VirtualClock]:
     clock = VirtualClock()
-    mill = Mill([1000] * 3, [RotorLimits()] * 3)
+    mill = Mill([Slide(1000)] * 3)
     if kind == "smc":
         return SimulatedMill(mill, SmcElectronics(mill, clock, LEVEL_MAPS["field"]), clock), clock
     return SimulatedMill(mill, StepDirElectronics(mill, clock), clock), clock

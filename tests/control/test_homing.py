@@ -116,7 +116,7 @@ def test_the_other_end_measures_the_travel() -> None:
 
 def test_a_travel_configured_too_long_is_measured() -> None:
     made = plant(**merged(SHORT, {"homing": {"measure": True}}))
-    mill(made).mill.travel_steps = (3900, 4000, 4000)
+    mill(made).mill.switches_steps[0] = (0, 3900)
     assert "X (travel 19.500 mm, configured 20 mm)" in reference(made)
 
 

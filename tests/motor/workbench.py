@@ -22,7 +22,7 @@ from fraese.motor.cards.stepdir import STEPDIR_PROFILES, StepDirCard
 from fraese.motor.clock import VirtualClock
 from fraese.motor.core import MotorCore
 from fraese.motor.electronics import Electronics, SmcElectronics, StepDirElectronics
-from fraese.motor.mill import Mill
+from fraese.motor.mill import Mill, Slide
 from fraese.motor.phases import LEVEL_MAPS, MOTRUN
 from fraese.motor.ports.recorder import Access, Recorder
 from fraese.motor.ports.sim import SimulatedMill
@@ -154,9 +154,7 @@ class Workbench:
 
     def __post_init__(self) -> None:
         self.mill = Mill(
-            [self.travel_steps] * MOTORS,
-            [self.limits] * MOTORS,
-            overrun_steps=self.overrun_steps,
+            [Slide(self.travel_steps, self.limits, self.overrun_steps)] * MOTORS,
             lag_s=self.lag_s,
             bounce_readings=self.bounce_readings,
         )

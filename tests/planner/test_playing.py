@@ -13,7 +13,7 @@ from fraese.motor.cards.smc1500 import SmcCard
 from fraese.motor.clock import VirtualClock
 from fraese.motor.core import MotorCore
 from fraese.motor.electronics import SmcElectronics
-from fraese.motor.mill import Mill
+from fraese.motor.mill import Mill, Slide
 from fraese.motor.ports.recorder import Recorder
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.rotor import RotorLimits
@@ -56,7 +56,7 @@ def bench(axes: Machine, capacity: int = 100_000) -> Bench:
         )
         for axis in axes.axes
     ]
-    mill = Mill([400_000] * 3, limits)
+    mill = Mill([Slide(400_000, limit) for limit in limits])
     port = Recorder(SimulatedMill(mill, SmcElectronics(mill, clock, LEVELS), clock), clock)
     return Bench(MotorCore(port, SmcCard(), clock, capacity=capacity), mill, port)
 
