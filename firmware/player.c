@@ -473,15 +473,18 @@ static bool choose_again(void)
 {
     uint32_t cycles = player.block->interval_q8 >> 8, gone = hop.gone_cycles;
     player.cycles = player.last_cycles;
+    /* Also if none follows: then it is made out once more after a hold, or never. */
+    if (is_phase_card())
+        restore_state();
+    else
+        player.is_made_out = true;
     if (!throttle_choose(&cycles, true))
         return false;
     uint16_t due = player.due;
     if (is_phase_card()) {
-        restore_state();
         take_tick(cycles);
         go_to_beat(true);
     } else {
-        player.is_made_out = true;
         go_to_edge(cycles);
     }
     /* The wait counted from here; what has gone of it is taken off again. */

@@ -11,15 +11,28 @@ import pytest
 from fraese.blocks import Block, Piece, Watch, WatchAction
 from fraese.motor.bridge import constants as c
 from fraese.motor.bridge.codec import Place
-from fraese.motor.seams import Ended
+from fraese.motor.bridge.records import Dry
+from fraese.motor.seams import DATA, Ended
 from tests.bridge.device import Device, reason_to_skip
-from tests.bridge.peers import OPEN, PHASES, Core, compare, device_for, device_writes
+from tests.bridge.peers import (
+    OPEN,
+    PHASES,
+    Core,
+    Kind,
+    Write,
+    clock_kind,
+    compare,
+    device_for,
+    device_writes,
+)
 
 pytestmark = pytest.mark.skipif(bool(reason_to_skip()), reason=reason_to_skip())
 
 INTERVAL = 12_000
 #: Slow enough to stop at once.
 SLOW = 40_000
+#: Waited for in hops.
+FAR = 60_000
 PAUSE_NS = 50_000_000
 CLOSED = OPEN & 0x7F
 
@@ -39,17 +52,18 @@ def line(ticks: int, interval: int = INTERVAL, **others: object) -> Block:
 class Duel:
     """A run on both, with something that happens on the way."""
 
-    def __init__(self, blocks: list[Block]) -> None:
+    def __init__(self, blocks: list[Block], kind: Kind = PHASES) -> None:
         self._blocks = blocks
-        self.core = Core(PHASES)
-        self.device: Device = device_for(PHASES)
+        self._kind = kind
+        self.core = Core(kind)
+        self.device: Device = device_for(kind)
         self.core.push(blocks)
         self.device.push(blocks, self.core.dry)
         self._compared = 0
 
     def within(self, tick: int) -> int:
         """A cycle an eighth into the interval before a tick, as long as nothing happens."""
-        alone = Core(PHASES)
+        alone = Core(self._kind)
         alone.push(self._blocks)
         alone.play()
         leader = [w.cycle for w in alone.writes() if w.register == 0 and w.value >> 6 == 0]
@@ -206,3 +220,72 @@ def test_override_is_a_ceiling() -> None:
     status = duel.device.stand_still()
     assert (status.override_q8, status.late_throttle) == (154, 0)
     duel.finish()
+
+
+@pytest.mark.parametrize("jump_hz", [65, 672], ids=["braking", "held at once"])
+def test_a_brake_in_a_long_interval_makes_no_step_twice(jump_hz: int) -> None:
+    """The tick was made out for the end of the wait; it is taken back, and made out anew."""
+    duel = Duel([line(60, FAR, jump_rate_q8=jump_hz << 8), line(40, FAR)])
+    at = duel.within(20)
+    duel.core.play()
+    base = duel.start_device()
+    duel.device.urgent(c.URGENT_BRAKE, base + at)
+    go_on_after_a_hold(duel)
+
+
+@pytest.mark.parametrize("wait", [8_000, 25_000, 45_000])
+@pytest.mark.parametrize("jump_hz", [65, 672], ids=["braking", "held at once"])
+def test_a_brake_in_a_long_interval_of_clock_lines(jump_hz: int, wait: int) -> None:
+    blocks = [line(60, FAR, jump_rate_q8=jump_hz << 8), line(40, FAR)]
+    duel = Duel([block._replace(steps=(*block.steps, 9)) for block in blocks], clock_kind("paper"))
+    duel.core.play()
+    base = duel.start_device()
+    duel.device.urgent(c.URGENT_BRAKE, base + 20 * FAR + wait)
+    go_on_after_a_hold(duel)
+
+
+def go_on_after_a_hold(duel: Duel) -> None:
+    """The device holds, goes on, and has made every write of a core that was never held."""
+    status = duel.device.stand_still()
+    assert status.state & c.State.HELD
+    assert status.place.serial == 1
+    assert 19 <= status.place.done <= 33
+    assert duel.device.command(c.KIND_RESUME) == 0
+    assert duel.device.stand_still().ended == c.ENDED_TARGET
+    assert data_written(device_writes(duel.device)) == data_written(duel.core.writes())
+
+
+def data_written(writes: list[Write]) -> list[int]:
+    """What the motors were told, in order."""
+    return [write.value for write in writes if write.register == DATA]
+
+
+def test_a_stop_in_a_long_interval_leaves_the_phases_that_were_latched() -> None:
+    """What comes next goes on from the byte that was written last, not from the one after it."""
+    duel = Duel([line(60, FAR), line(40, FAR)])
+    at = duel.within(20)
+    duel.core.play()
+    base = duel.start_device()
+    duel.device.urgent(c.URGENT_STOP, base + at)
+    status = duel.device.stand_still()
+    assert (status.ended, status.place.done) == (c.ENDED_STOP, 19)
+    length = len(PHASES.facts.table)
+    steps = latched_steps(status.place, line(60, FAR))
+    assert list(status.phases[:3]) == [n % length for n in steps]
+
+
+def test_a_dry_point_that_comes_when_its_block_is_in_hand_counts() -> None:
+    """The point of the record that came last says where to brake, also in a block that plays."""
+    device = device_for(PHASES)
+    first, second = line(600, ends_at_rest=False), line(600, ends_at_rest=False)
+    device.push([first], [None])
+    device.start()
+    device.wait(lambda: device.ask().place.done > 60, 2000)
+    device.push([second], [Dry(1, 250)])
+    status = device.stand_still()
+    assert status.state & c.State.HELD
+    assert status.state & c.State.DRY
+    # From 1333 to 656 steps/s with 3662 steps/s**2.
+    assert status.place.serial == 1
+    assert status.place.done == pytest.approx(250 + 184, abs=30)
+    assert not status.state & c.State.TORN
