@@ -1,102 +1,17 @@
 """The host's end of the line as a conversation: bytes, a clock that is a number, and a bad line.
 
-At the other end stands a model of the device's frame layer, as the protocol describes it.
+At the other end stands a model of the device's frame layer.
 """
-
-import random
-import struct
-from collections.abc import Iterator
-from dataclasses import dataclass, field
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fraese.motor.bridge import constants as c
-from fraese.motor.bridge.codec import STATUS_LENGTH, Decoder, Frame, Urgent, frame
 from fraese.motor.bridge.link import ASK_NS, RESEND_NS, WISH_NS, Link
+from tests.bridge.model import RING, SESSION, BadLine, Model
 
-SESSION = 77
-RING = 300
 MS = 1_000_000
-
-
-@dataclass
-class Model:
-    """The device's frame layer: what it takes, and what it answers.
-
-    Attributes:
-        taken: commands that were carried out, in order.
-        stream: bytes of the record stream.
-        used: bytes in the ring.
-    """
-
-    session: int = SESSION
-    refuses: int = -1
-    taken: list[tuple[int, bytes]] = field(default_factory=list)
-    stream: bytearray = field(default_factory=bytearray)
-    used: int = 0
-    next_seq: int = 0
-    epoch: int = 0
-    brakes: int = 0
-    stops: int = 0
-    refused: tuple[int, int] = (0, 0)
-
-    def __post_init__(self) -> None:
-        self._decoder = Decoder()
-        self._counter = 0
-
-    def feed(self, data: bytes) -> bytes:
-        return b"".join(self._answers(data))
-
-    def _answers(self, data: bytes) -> Iterator[bytes]:
-        for item in self._decoder.feed(data):
-            if isinstance(item, Frame):
-                yield self._say(c.KIND_ACK, self._ack(self._take(item)))
-            elif item == Urgent(c.URGENT_STATUS):
-                yield self.status()
-            elif item == Urgent(c.URGENT_BRAKE):
-                self.brakes += 1
-            elif item == Urgent(c.URGENT_STOP):
-                self.stops += 1
-
-    def _take(self, item: Frame) -> bool:
-        """True: the frame lies ahead."""
-        ahead = (item.sequence - self.next_seq) & 0xFF
-        if ahead:
-            return ahead < 0x80
-        if item.kind == c.KIND_BLOCKS:
-            if self.used + len(item.payload) - 1 > RING:
-                return False
-            if item.payload[0] != self.epoch:
-                self.refused = (item.sequence, c.REFUSED_EPOCH)
-            else:
-                self.stream += item.payload[1:]
-                self.used += len(item.payload) - 1
-        elif item.kind == self.refuses:
-            self.refused = (item.sequence, c.REFUSED_MOVING)
-        else:
-            self.taken.append((item.kind, item.payload))
-        self.next_seq = (self.next_seq + 1) & 0xFF
-        return False
-
-    def status(self) -> bytes:
-        rest = bytearray(STATUS_LENGTH - 9)
-        rest[33:35] = bytes((self.brakes & 0xFF, self.stops & 0xFF))
-        return self._say(c.KIND_STATUS, self._ack(False) + bytes(rest))
-
-    def _ack(self, gap: bool) -> bytes:
-        free = RING - self.used
-        return struct.pack(
-            "<BHBBHBB", self.next_seq, self.session, gap, self.epoch, free, *self.refused
-        )
-
-    def _say(self, kind: int, payload: bytes) -> bytes:
-        self._counter = (self._counter + 1) & 0xFF
-        return frame(kind, self._counter, payload)
-
-    def play(self, count: int) -> None:
-        self.used = max(0, self.used - count)
 
 
 def pair() -> tuple[Link, Model]:
@@ -187,6 +102,43 @@ def test_a_gap_is_mended_at_once_and_once() -> None:
     assert link.is_quiet
 
 
+def gaps(link: Link, model: Model, count: int) -> list[bytes]:
+    """A frame is lost, so many follow it: the answers to those, each with its GAP."""
+    link.command(c.KIND_RESUME)
+    link.output(0)
+    answers = []
+    for _n in range(count):
+        link.command(c.KIND_PING)
+        answers.append(model.feed(link.output(MS)))
+    return answers
+
+
+def test_gaps_that_speak_of_one_loss_are_heard_once() -> None:
+    """The answers to what was in flight behind it come within 8 ms at 250,000 baud."""
+    link, model = pair()
+    first, *others = gaps(link, model, 4)
+    link.feed(first, 2 * MS)
+    again = link.output(2 * MS)
+    sent_again, window = link.resent, link._window
+    for late_ms, answer in zip((4, 7, 10), others, strict=True):
+        link.feed(answer, late_ms * MS)
+        assert link.output(late_ms * MS) == b""
+    assert (link.resent, link._window) == (sent_again, window)
+    link.feed(model.feed(again), 11 * MS)
+    assert link.is_quiet
+
+
+def test_a_gap_much_later_speaks_of_another_loss() -> None:
+    """What was sent again was lost too: that is mended well before the patience is at its end."""
+    link, model = pair()
+    first, second = gaps(link, model, 2)
+    link.feed(first, 2 * MS)
+    again = link.output(2 * MS)
+    link.feed(second, 14 * MS)
+    assert link.output(14 * MS)[: len(again)] == again
+    assert 14 * MS < RESEND_NS
+
+
 def test_a_refusal_is_told_once_and_not_mistaken_later() -> None:
     link, model = pair()
     model.refuses = c.KIND_IDLE
@@ -246,43 +198,6 @@ def test_another_session_is_noticed_and_not_believed() -> None:
     assert link.stranger == 0
     assert link.done == 0
     assert link.feed(model.status(), 0) == []
-
-
-class BadLine:
-    """Loses, flips, doubles and delays; both ways."""
-
-    def __init__(self, seed: int, badness: float) -> None:
-        self._random = random.Random(seed)
-        self._badness = badness
-        self._late = b""
-
-    def carry(self, data: bytes) -> bytes:
-        out, self._late = bytearray(self._late), b""
-        for part in self._parts(data):
-            what = self._random.random() / self._badness if self._badness else 9
-            if what < 0.25:
-                continue
-            if what < 0.5:
-                at = self._random.randrange(len(part))
-                part = (
-                    part[:at] + bytes((part[at] ^ 1 << self._random.randrange(8),)) + part[at + 1 :]
-                )
-            elif what < 0.75:
-                out += part
-            elif what < 1:
-                self._late += part
-                continue
-            out += part
-        return bytes(out)
-
-    def _parts(self, data: bytes) -> Iterator[bytes]:
-        """Frames, more or less: what stands between two FLAGs."""
-        at = 0
-        while at < len(data):
-            end = data.find(bytes((c.FLAG, c.FLAG)), at)
-            end = len(data) if end < 0 else end + 1
-            yield data[at:end]
-            at = end
 
 
 @settings(max_examples=60, deadline=None)
