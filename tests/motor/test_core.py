@@ -11,6 +11,7 @@ from fraese.errors import PortError
 from fraese.motor.clock import MonotonicClock, VirtualClock
 from fraese.motor.core import MotorCore
 from fraese.motor.phases import MOTZERO
+from fraese.motor.requests import Requests
 from fraese.motor.seams import DATA, Ended, IdleLevel
 from tests.motor.workbench import MAX_HZ, TIRELESS, Workbench, line, steady
 
@@ -70,6 +71,28 @@ class TestIntruders:
         assert report.position_steps == bench.carriages()
         after = len([a for a in bench.accesses(places[0]) if a.register == DATA])
         assert after <= 3  # a motor each, or fall, clocks, fall
+
+    @pytest.mark.parametrize("wish", ["brake", "stop"])
+    def test_a_wish_that_comes_just_as_all_becomes_calm_is_heard(
+        self, wish: str, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """Between the look at the flags and the calm another thread may set one."""
+        bench, be_calm, calms = Workbench(), Requests.be_calm, []
+
+        def intruded(requests: Requests, calm: bool) -> None:
+            calms.append(calm)
+            if calms == [True]:
+                getattr(bench.core, wish)()
+            be_calm(requests, calm)
+
+        bench.run_for(0.2, line(4000))
+        monkeypatch.setattr(Requests, "be_calm", intruded)
+        bench.core.set_override(1.0)
+        report = bench.run(budget_s=100)
+        assert calms[0]
+        assert 600 < report.position_steps[0] < 1500
+        assert report.held if wish == "brake" else report.ended is Ended.STOP
+        assert bench.carriage("x") == pytest.approx(report.position_steps[0], abs=3)
 
     @given(at_wait=st.integers(2, 600))
     def test_what_was_played_is_not_played_again_after_an_interrupt(self, at_wait: int) -> None:
