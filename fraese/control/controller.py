@@ -306,7 +306,7 @@ class Controller:
         return self._queue.blocks
 
     def blocks_finished(self) -> int:
-        """Blocks of the present job that were played to their end, the one in hand left out."""
+        """Blocks of the present job that were played to their end."""
         return self._queue.finished
 
     def keep(self) -> SavedState:

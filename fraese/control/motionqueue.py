@@ -1,11 +1,14 @@
 """What lies ahead of the motors: the driver's queue, and what is remembered of each block in it.
 
-    push --> | serial 9 | serial 8 | serial 7 (in hand, tick 120) | --> played: told to position
+    push --> | block 9 | block 8 | block 7 (in hand, tick 120) | --> played: told to position
 
 Rule 1: every block goes to the driver through ``push``, every report comes through ``poll``: so
         that what is remembered here is what the driver holds.
-Rule 2: a block that was played is told once; of one that was dropped half-way, what the driver
-        counted.
+Rule 2: a block that was played to its end is told once; of one that was dropped half-way, what the
+        driver counted. A drop takes all that is in the queue, and is reported before anything that
+        was pushed after it is played: so what is finished is always the first in the queue.
+Rule 3: a job's blocks are counted, pushed and finished. What is pushed for a way aside is none of
+        them, and one that is taken back and given back counts once.
 """
 
 from collections import deque
@@ -24,8 +27,8 @@ _MOST_LOOKS: Final = 1000
 class _Queued(NamedTuple):
     """What is remembered of a block."""
 
-    serial: int
     block: Block
+    of_job: bool
     ticks: int
     duration_s: float
     mm_per_tick: float
@@ -40,7 +43,8 @@ class MotionQueue:
 
     Attributes:
         report: the driver's last word.
-        blocks: blocks of this job pushed so far.
+        blocks: blocks of this job pushed so far, without what was taken back.
+        finished: blocks of this job that were played to their end.
         is_fresh: nothing was pushed since that report.
     """
 
@@ -49,45 +53,63 @@ class MotionQueue:
         self._position = position
         self.report: Report = driver.poll(0)
         position.count_from(self.report.position_steps)
-        self.blocks = 0
+        self.blocks = self.finished = 0
         self.is_fresh = True
         self._queue: deque[_Queued] = deque()
         self._mm_per_tick = 0.0
-        self._serial = self._serial_at_start = self.report.playing
+        self._finished_before = self.report.finished
+        self._serial_at_start = self.report.playing
 
     def begin(self) -> None:
         """A new job: what an old brake left is undone, blocks are counted from here."""
-        self._driver.flush()
-        self.blocks = 0
-        self._serial = self._serial_at_start = self.report.playing
+        self.drop()
+        self.blocks = self.finished = 0
+        self._serial_at_start = self.report.playing
 
-    def push(self, block: Block) -> float | None:
-        """Give a block to the driver; its planned duration, s, or None: there is no room."""
+    def drop(self) -> None:
+        """Drop what is queued; at standstill.
+
+        Raises:
+            StateError: while steps are being made.
+        """
+        self._driver.flush()
+        self.poll()
+
+    def push(self, block: Block, *, of_job: bool = True) -> float | None:
+        """Give a block to the driver; its planned duration, s, or None: there is no room.
+
+        Args:
+            block: what to play.
+            of_job: it counts as one of the job's blocks.
+        """
         if not self._driver.push(block):
             return None
-        self._serial += 1
-        self.blocks += 1
+        self.blocks += of_job
         self.is_fresh = False
         duration_s = planned_s(block)
         self._queue.append(
             _Queued(
-                self._serial, block, max(1, block.ticks()), duration_s, mm_per_tick(block.weight)
+                block=block,
+                of_job=of_job,
+                ticks=max(1, block.ticks()),
+                duration_s=duration_s,
+                mm_per_tick=mm_per_tick(block.weight),
             )
         )
         return duration_s
 
-    def push_all(self, blocks: Iterable[Block]) -> None:
-        """Give a few blocks to a driver that has just become empty."""
+    def push_aside(self, blocks: Iterable[Block]) -> None:
+        """Give a few blocks of no job to a driver that has just become empty."""
         for block in blocks:
-            self.push(block)
+            self.push(block, of_job=False)
 
     def take_back(self) -> list[Block]:
-        """Take everything out of the queue; the block in hand without what was played of it."""
+        """Take the job's blocks out of the queue; the one in hand without what was played of it."""
         blocks = [queued.block for queued in self._queue]
-        if blocks and self._queue[0].serial == self.report.playing and self.report.tick:
+        if self.report.tick:
             blocks[0] = remainder(blocks[0], self.report.tick)
-        self._driver.flush()
-        self.poll()
+        self.blocks -= len(blocks)
+        self.drop()
         return blocks
 
     # --- looking -------------------------------------------------------------------------------
@@ -110,14 +132,16 @@ class MotionQueue:
                 return
 
     def _forget_played(self) -> None:
-        counted_steps = self.report.position_steps
-        while self._queue and self._queue[0].serial < self.report.playing:
-            self._position.played(self._queue.popleft().block.steps)
+        counted_steps, finished = self.report.position_steps, self.report.finished
+        for _ in range(min(len(self._queue), finished - self._finished_before)):
+            queued = self._queue.popleft()
+            self.finished += queued.of_job
+            self._position.played(queued.block.steps)
+        self._finished_before = finished
         if not self.report.queued:
-            # The last one was played, or dropped half-way; what a driver drops it does not count.
+            # What is left was dropped, the first of it perhaps half-way.
             self._position.at_rest(counted_steps)
             self._queue.clear()
-            self._serial = self.report.playing
         self._mm_per_tick = self._queue[0].mm_per_tick if self._queue else 0.0
         self._position.seen(counted_steps)
 
@@ -125,22 +149,13 @@ class MotionQueue:
 
     @property
     def has_begun(self) -> bool:
-        """A block of this job is being played or was."""
+        """A block of this job was taken in hand or dropped: why the motors stand is about it."""
         return self.report.playing > self._serial_at_start
-
-    @property
-    def finished(self) -> int:
-        """Blocks of this job that were played to their end, the one in hand left out."""
-        return max(0, self.report.playing - self._serial_at_start - 1)
-
-    def recount(self) -> None:
-        """Blocks that were taken back and will be pushed again count once."""
-        self.blocks = self.report.playing - self._serial_at_start
 
     def duration_s(self) -> float:
         """Motion in the queue, as planned, without what was played of the block in hand."""
         total_s = sum(queued.duration_s for queued in self._queue)
-        if self._queue and self._queue[0].serial == self.report.playing:
+        if self._queue and self.report.tick:
             first = self._queue[0]
             total_s -= first.duration_s * self.report.tick / first.ticks
         return total_s

@@ -75,7 +75,7 @@ class Aside:
                 # Held once more, on the way.
                 self._driver.resume()
         elif self._place is _Place.AWAY:
-            self._queue.push_all(self._detour.back())
+            self._queue.push_aside(self._detour.back())
             self._place = _Place.COMING_BACK
         else:
             self._rejoin()
@@ -102,13 +102,12 @@ class Aside:
 
     def _go_away(self) -> None:
         self._kept.extendleft(reversed(self._queue.take_back()))
-        self._queue.push_all(self._detour.away())
+        self._queue.push_aside(self._detour.away())
         self._place = _Place.AWAY
 
     def _rejoin(self) -> None:
         self._driver.brake()
         self._queue.poll()
-        self._queue.recount()
         self.give_back()
         self._place = _Place.ON_PATH
 

@@ -201,7 +201,7 @@ class Runner:
         if self._stop and not report.running:
             return self._end(Status.CANCEL)
         if self._cancel and not report.running:
-            self._driver.flush()
+            self._queue.drop()
             return self._end(Status.ERROR if self.failure else Status.CANCEL)
         owed = self._pending is not None or (self._aside is not None and self._aside.is_owed)
         if self._job is None and not owed and not report.queued and not self._cancel:

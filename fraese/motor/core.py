@@ -143,6 +143,7 @@ class MotorCore:
             position_steps=track.position_steps(),
             travelled_steps=track.travelled_steps(),
             playing=queue.serial,
+            finished=track.finished,
             tag=track.tag,
             tick=cursor.done if cursor else 0,
             free=queue.free,

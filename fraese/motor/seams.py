@@ -160,6 +160,8 @@ class Report:
         travelled_steps: the same, both directions added.
         playing: serial number, from 1, of the block now playing, or of the last one that was
             finished or dropped: the n-th block that was pushed is number n.
+        finished: how many blocks were played to their last tick; one that was dropped half-way, or
+            before it began, is none of them.
         tag: the tag of the block now playing, or of the last one.
         tick: ticks done in the present block.
         free: how many more blocks can be pushed.
@@ -183,6 +185,7 @@ class Report:
     position_steps: tuple[int, ...]
     travelled_steps: tuple[int, ...]
     playing: int
+    finished: int
     tag: int
     tick: int
     free: int

@@ -57,6 +57,7 @@ class Track:
         last_cycles: what the last tick took; 0 at standstill.
         tag: of the block in hand, or of the last one.
         torn: motors that stopped without ramp above their start/stop rate in this run.
+        finished: blocks that were played to their last tick.
     """
 
     def __init__(self, motors: int) -> None:
@@ -64,6 +65,7 @@ class Track:
         self.last_cycles = 0
         self.tag = 0
         self.torn: frozenset[int] = frozenset()
+        self.finished = 0
         self._moved_last: Cursor | None = None
         self._base_steps = (0,) * motors
         self._travelled_steps = (0,) * motors
@@ -81,6 +83,7 @@ class Track:
             return
         self._base_steps, self._travelled_steps = self.position_steps(), self.travelled_steps()
         self.cursor = None
+        self.finished += cursor.done == cursor.ticks
         # Stopped before its first tick: it is the block before that still moved.
         if cursor.done:
             self._moved_last = cursor

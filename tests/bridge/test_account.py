@@ -71,8 +71,9 @@ def test_counts_are_those_of_a_core_at_the_same_tick(
     see(account, at(report.playing, done, in_hand=report.queued > 0))
     assert account.counts.position == report.position_steps
     assert account.counts.travelled == report.travelled_steps
-    assert (account.playing, account.tick, account.queued) == (
+    assert (account.playing, account.finished, account.tick, account.queued) == (
         report.playing,
+        report.finished,
         report.tick,
         report.queued,
     )
@@ -93,13 +94,14 @@ def test_what_lies_after_the_place_of_a_drop_never_was() -> None:
     see(account, at(2, 4, in_hand=False, last=4), dropped=True)
     assert account.counts.position == (14, 0, 0)
     assert (account.playing, account.queued, account.pushed, account.tag) == (5, 0, 5, 3)
+    assert account.finished == 1
     # The device has counted four records; the next one is its fifth.
     assert account.push(steady(-4, tag=6)) == 6
     see(account, at(2, 4, in_hand=False, last=4))
-    assert (account.counts.position, account.queued) == ((14, 0, 0), 1)
+    assert (account.counts.position, account.queued, account.finished) == ((14, 0, 0), 1, 1)
     see(account, at(5, 4, in_hand=False))
     assert account.counts.position == (10, 0, 0)
-    assert (account.playing, account.queued, account.tag) == (6, 0, 6)
+    assert (account.playing, account.queued, account.tag, account.finished) == (6, 0, 6, 2)
 
 
 def test_serials_begin_again_after_65535() -> None:
@@ -108,7 +110,7 @@ def test_serials_begin_again_after_65535() -> None:
         account.push(steady(1))
         see(account, at(serial & 0xFFFF, 1, in_hand=False))
     assert account.counts.position == (65_599, 0, 0)
-    assert account.playing == 65_599
+    assert (account.playing, account.finished) == (65_599, 65_599)
 
 
 def test_dwells_and_bare_outputs_move_nothing() -> None:

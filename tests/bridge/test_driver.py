@@ -209,6 +209,7 @@ class TestLives:
         after = run(bench)
         assert after.position_steps[0] == last.position_steps[0] + 10
         assert (after.torn, after.playing, after.tag) == (frozenset(), 2, 5)
+        assert (report.finished, after.finished) == (0, 1)
 
     def test_a_reset_in_between_is_an_alarm(self, bench: FirmwareBench) -> None:
         bench.driver.push(line(3000))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from fraese.blocks import Block, Outputs, dwell
+from fraese.blocks import Block, Outputs, Watch, WatchAction, dwell
 from fraese.errors import StateError
 from fraese.motor.seams import Ended, IdleLevel, Report, StepDriver, SwitchMode
 from tests.bridge.device import reason_to_skip
@@ -100,7 +100,7 @@ class TestStepDriverContract:
         assert report.position_steps == (400, -200, 3)
         assert report.travelled_steps == (600, 200, 3)
         assert report.ended is Ended.TARGET
-        assert (report.playing, report.tag, report.queued) == (2, 9, 0)
+        assert (report.playing, report.finished, report.tag, report.queued) == (2, 2, 9, 0)
         assert report.energised
         assert rig.bench.carriages() == (400, -200, 3)
 
@@ -158,6 +158,42 @@ class TestStepDriverContract:
         rig.bench.wait()
         assert rig.bench.carriage("x") + rig.bench.lost()[0] == report.position_steps[0]
         assert rig.run(line(5)).torn == frozenset()
+
+    def test_only_what_was_played_to_its_end_is_finished(self, rig: Rig) -> None:
+        rig.run(line(20), dwell(3, 0))
+        for block in (line(LONG), line(0, 50), line(-7)):
+            rig.driver.push(block)
+        report = rig.driver.poll(UNDER_WAY_S)
+        assert (report.playing, report.finished) == (3, 2)
+        # Braked and dropped, half-way.
+        rig.driver.brake()
+        report = rig.run()
+        assert (report.held, report.playing, report.finished) == (True, 3, 2)
+        rig.driver.flush()
+        report = rig.driver.poll(0)
+        assert (report.queued, report.playing, report.finished) == (0, 5, 2)
+        # Stopped dead, half-way.
+        rig.driver.push(line(LONG))
+        rig.driver.push(line(100))
+        rig.driver.poll(UNDER_WAY_S)
+        rig.driver.stop()
+        report = rig.run()
+        assert (report.queued, report.playing, report.finished) == (0, 7, 2)
+        # Dropped before it began.
+        rig.driver.push(line(5))
+        rig.driver.stop()
+        report = rig.run()
+        assert (report.queued, report.playing, report.finished) == (0, 8, 2)
+        report = rig.run(line(5), line(-5))
+        assert (report.queued, report.playing, report.finished) == (0, 10, 4)
+
+    def test_what_a_contact_or_a_watch_cuts_off_is_not_finished(self, rig: Rig) -> None:
+        rig.bench.place("x", TRAVEL_STEPS - 30)
+        report = rig.run(steady(10), steady(100), steady(1), steady(1))
+        assert (report.ended, report.playing, report.finished) == (Ended.SWITCH, 4, 1)
+        opens = Watch(0x80, 0x80, WatchAction.STOP)
+        report = rig.run(steady(-100, watch=opens), steady(-1))
+        assert (report.ended, report.playing, report.finished) == (Ended.WATCH, 6, 1)
 
     def test_brake_and_stop_come_from_any_thread(self, rig: Rig) -> None:
         for command, ended in ((rig.driver.brake, Ended.NOT), (rig.driver.stop, Ended.STOP)):

@@ -163,7 +163,7 @@ class TestDeathOfTheChild:
             bench.driver.push(line(1))
         report = bench.driver.poll(0)
         assert report.torn == ALL
-        assert (report.playing, report.queued, report.free) == (2, 0, 8)
+        assert (report.playing, report.finished, report.queued, report.free) == (2, 1, 0, 8)
         assert (report.running, report.energised) == (False, False)
         where = report.position_steps
         assert where[0] >= before.position_steps[0]
@@ -172,7 +172,7 @@ class TestDeathOfTheChild:
         while (report := bench.driver.poll(0.01)).running:
             pass
         assert report.position_steps == (where[0] - 20, -96, 0)
-        assert (report.torn, report.playing) == (frozenset(), 3)
+        assert (report.torn, report.playing, report.finished) == (frozenset(), 3, 2)
 
     def test_a_child_that_hangs_is_killed(self, bench: ChildBench) -> None:
         bench.driver.push(line(9000))

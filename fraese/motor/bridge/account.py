@@ -72,19 +72,24 @@ class Account:
     Args:
         motors: of the card.
         pushed: blocks that were pushed before this session,
-        counts: and the counts that they came to.
+        counts: and the counts that they came to,
+        finished: and how many of them were played to their end.
 
     Attributes:
         pushed: number of the last block that was pushed.
         counts: as of the last STATUS.
+        finished: blocks that were played to their last tick.
         candidates: ends that the present contact may be.
         latched_steps: counts at the contact that fulfilled the last watch.
         torn: motors that stopped without ramp above their start/stop rate.
     """
 
-    def __init__(self, motors: int, pushed: int = 0, counts: Counts | None = None) -> None:
+    def __init__(
+        self, motors: int, pushed: int = 0, counts: Counts | None = None, finished: int = 0
+    ) -> None:
         nothing = Counts((0,) * motors, (0,) * motors)
         self.pushed = pushed
+        self.finished = self._settled_finished = finished
         self.counts = counts or nothing
         self.candidates: frozenset[End] = frozenset()
         self.latched_steps: StepCounts | None = None
@@ -162,10 +167,14 @@ class Account:
         if sent is not None and sent.number > self._settled:
             self.counts = sent.counts(place.done, place.moved)
             self._playing = sent.number
+            is_whole = not status.more & More.IN_HAND and place.done >= sent.ticks
+            of_session = sent.number - self._settled - (not is_whole)
+            self.finished = self._settled_finished + of_session
         else:
             sent = None
             self.counts = self._settled_counts
             self._playing = self._settled
+            self.finished = self._settled_finished
         self._in_hand = sent if status.more & More.IN_HAND else None
         self._tick = place.done if self._in_hand else 0
         self.torn = self._torn_by(status)
@@ -178,6 +187,7 @@ class Account:
         while self._sent and self._sent[-1].number > self._playing:
             self._by_serial.pop(self._sent.pop().serial, None)
         self._settled = self._playing = self.pushed
+        self._settled_finished = self.finished
         self._settled_counts = self._end_counts = self.counts
         self._in_hand = None
         self._tick = 0

@@ -54,7 +54,7 @@ class Picture:
         self._card.set_phases(self.phases())
         self._base_phases = self._card.phases()
         last = self.account
-        self.account = Account(self._card.motors, last.pushed, last.counts)
+        self.account = Account(self._card.motors, last.pushed, last.counts, last.finished)
         if not self._has_table:
             self._base_phases = tuple(
                 a - b for a, b in zip(self._base_phases, last.counts.position, strict=True)
@@ -119,6 +119,7 @@ class Picture:
             position_steps=account.counts.position,
             travelled_steps=account.counts.travelled,
             playing=account.playing,
+            finished=account.finished,
             tag=account.tag,
             tick=account.tick,
             free=max(0, min(capacity - account.queued, room)),

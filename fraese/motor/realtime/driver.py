@@ -208,6 +208,7 @@ class RealtimeDriver:
             latched_steps=report.latched_steps
             and _sum(before.position_steps, report.latched_steps),
             playing=self._pushed_before + report.playing,
+            finished=before.finished + report.finished,
             torn=frozenset(range(self._motors)) if untouched else report.torn,
             late_ticks=before.late_ticks + report.late_ticks,
             dry_queues=before.dry_queues + report.dry_queues,

@@ -35,7 +35,7 @@ _COUNTS_BYTES: Final = 8 * MAX_MOTORS
 _BLOCK: Final = struct.Struct("=2q")
 _BLOCK_COUNTS: Final = 4
 #: The other numbers, in the order of ``Reporter.steps``; the phases follow.
-_NOW: Final = struct.Struct("=16q")
+_NOW: Final = struct.Struct("=17q")
 _NOW_AT: Final = _BLOCK.size + _BLOCK_COUNTS * _COUNTS_BYTES
 _SIZE: Final = _NOW_AT + _NOW.size + _COUNTS_BYTES
 
@@ -101,6 +101,7 @@ class Reporter:
         run, inputs = self._run, self._run.inputs
         track, generation, playing = run.track, self.generation, run.queue.serial
         way, tag, last_cycles, torn = track.way(), track.tag, track.last_cycles, track.torn
+        finished = track.finished
         may_play, held, energised = run.may_play, run.governor.held, run.wires.energised
         standing, switch_closed, status = run.standing, inputs.switch_closed, inputs.status
         candidates, latched, ended = inputs.candidates, inputs.latched_steps, run.ended
@@ -132,6 +133,7 @@ class Reporter:
             last_cycles if moving else 0, flags, _ENDED_NUMBER[ended],
             _bits(2 * motor + (sign > 0) for motor, sign in candidates) if candidates else 0,
             _bits(torn) if torn else 0, echo, generation, way.moved,
+            finished,
         )  # fmt: skip
         self._counts.pack_into(self._buffer, _NOW_AT + _NOW.size, *phases)
         yield
@@ -170,7 +172,7 @@ def read(memory: Memory) -> Told | None:
 def _unpack(data: bytes) -> Told:
     (
         motors, done, playing, in_hand, due_ns, late_ticks, dry_queues, status,
-        cycles, flags, ended, candidates, torn, echo, generation, in_tick,
+        cycles, flags, ended, candidates, torn, echo, generation, in_tick, finished,
     ) = _NOW.unpack_from(data, _NOW_AT)  # fmt: skip
     ticks, tag = _BLOCK.unpack_from(data, 0)
     counts = struct.Struct(f"={motors}q")
@@ -188,6 +190,7 @@ def _unpack(data: bytes) -> Told:
         ),
         travelled_steps=tuple(b + m for b, m in zip(travelled, moved, strict=True)),
         playing=playing,
+        finished=finished,
         tag=tag,
         tick=done,
         free=0,
