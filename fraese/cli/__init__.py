@@ -3,7 +3,7 @@
 import sys
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,6 +12,9 @@ from fraese.cli import bridge, doctor, files, motion, ports
 from fraese.cli.shared import ConfigOption, FreshOption, StartingPlace, StateOption, leave
 from fraese.errors import UsageError
 from fraese.program import open_program
+
+if TYPE_CHECKING:
+    from fraese.ui.app import FraeseApp
 
 app = typer.Typer(
     name="fraese",
@@ -58,20 +61,24 @@ def start(
     leave(go)
 
 
-def _run_app(plant: Plant, program: Path | None) -> int:
+def _make_app(plant: Plant, program: Path | None) -> "FraeseApp":
     # Textual takes a quarter of a second to import; headless commands do not pay for it.
     from fraese.ui.app import FraeseApp
 
+    return FraeseApp(
+        plant.controller,
+        open_program=partial(open_program, apart=True),
+        notes=plant.notes,
+        before_motion=lambda: plant.save(moving=True),
+        program=program,
+        machine_name=plant.machine_name,
+        hand=plant.press if plant.is_simulated else None,
+    )
+
+
+def _run_app(plant: Plant, program: Path | None) -> int:
     try:
-        ui = FraeseApp(
-            plant.controller,
-            open_program=partial(open_program, apart=True),
-            notes=plant.notes,
-            before_motion=lambda: plant.save(moving=True),
-            program=program,
-            machine_name=plant.machine_name,
-            hand=plant.press if plant.is_simulated else None,
-        )
+        ui = _make_app(plant, program)
         ui.run()
     finally:
         plant.close()

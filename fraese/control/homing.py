@@ -65,10 +65,7 @@ class Homing:
         """
         report = yield STANDSTILL
         if report.switch_closed:
-            ends = self._switches.ends()
-            # Since the last command somebody may have moved a carriage by hand.
-            others = self._switches.ends(kept=False) - ends
-            yield from self._free(self._order(ends, axes) + self._order(others, axes))
+            yield from self._free(self._order(self._switches.ends(), axes))
         said = []
         for name in axes:
             said.append((yield from self._reference(name)))

@@ -13,8 +13,8 @@ from typing import Final
 
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
+from fraese.control.workoffsets import ACTIVE_SYSTEM
 from fraese.errors import ConfigError
-from fraese.workframe import ACTIVE_SYSTEM, SYSTEMS
 
 STATE_FILE: Final = "state.json"
 
@@ -28,7 +28,6 @@ class SavedState(BaseModel):
         parameters: persistent parameters of the language, work offsets among them.
         referenced: per axis.
         phases: phase index per motor.
-        ends: which ends the contact may be; none: there was no contact.
         simulation: what the simulated mill needs to be found as it was left.
         axes: what gives the steps of each axis their meaning; configured otherwise, they have none.
         moving: written before motion, cleared after it.
@@ -41,7 +40,6 @@ class SavedState(BaseModel):
     parameters: dict[int, float]
     referenced: tuple[bool, ...]
     phases: tuple[int, ...]
-    ends: tuple[str, ...] = ()
     simulation: tuple[tuple[float, float, float, float], ...] = ()
     axes: tuple[str, ...] = ()
     moving: bool = False
@@ -49,7 +47,7 @@ class SavedState(BaseModel):
     @field_validator("parameters")
     @classmethod
     def _a_system(cls, value: dict[int, float]) -> dict[int, float]:
-        if value.get(ACTIVE_SYSTEM, 1) not in range(1, len(SYSTEMS) + 1):
+        if value.get(ACTIVE_SYSTEM, 1) not in range(1, 10):
             raise ValueError("no such work offset")
         return value
 
@@ -95,8 +93,7 @@ class StateFile:
                 " --fresh."
             )
         if kept.moving:
-            # Nor what was known of a contact before it moved.
-            return kept.model_copy(update={"referenced": (False,) * axes, "ends": ()})
+            return kept.model_copy(update={"referenced": (False,) * axes})
         return kept
 
     def save(self, kept: SavedState) -> None:

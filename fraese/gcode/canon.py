@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal
 
-from fraese.workframe import Point
-
+Point = tuple[float, float, float]
 Plane = Literal[17, 18, 19]
 
 # The two axes of a plane, in right-handed order, and the third axis it turns about.

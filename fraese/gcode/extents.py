@@ -2,8 +2,7 @@
 
 import math
 
-from fraese.gcode.canon import PLANE_AXES, Arc
-from fraese.workframe import Point
+from fraese.gcode.canon import PLANE_AXES, Arc, Point
 
 _QUARTER = math.pi / 2
 

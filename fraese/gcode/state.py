@@ -2,10 +2,9 @@
 
 from dataclasses import dataclass
 
-from fraese.gcode.canon import PathMode, Plane
+from fraese.gcode.canon import PathMode, Plane, Point
 from fraese.gcode.modal import name
 from fraese.gcode.position import Position
-from fraese.workframe import Point
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +43,7 @@ class ModalState:
 
 def state_of(position: Position, line: int) -> ModalState:
     """The state at a position, in front of or behind a line."""
-    m, c = position.modal, position.coordinates.frame
+    m, c = position.modal, position.coordinates
     return ModalState(
         line=line,
         motion="" if m.motion is None else name(m.motion),
@@ -62,7 +61,7 @@ def state_of(position: Position, line: int) -> ModalState:
         selected_tool=m.selected_tool,
         tool_offset_mm=c.tool,
         work_offset=c.system,
-        work_offset_mm=c.offset,
+        work_offset_mm=c.work,
         rotation_deg=c.rotation_deg,
         g92_offset_mm=c.g92,
         retract_to_start=m.retract_to_start,

@@ -13,7 +13,7 @@ import math
 from collections.abc import Iterator
 from typing import Final, NamedTuple
 
-Point = tuple[float, ...]
+Point = tuple[float, float, float]
 
 #: First, second and third axis of G17, G18 and G19: angles count from first to second.
 PLANES: Final = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}

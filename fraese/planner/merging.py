@@ -10,7 +10,7 @@ each of them than any other program.
 
 from typing import Final
 
-Point = tuple[float, ...]
+Point = tuple[float, float, float]
 
 #: Points that one line can replace.
 _LONGEST_CHAIN: Final = 32

@@ -79,7 +79,7 @@ class Planner:
         self._targets.override = self._override
         self._chain = Chain()
         x_mm, y_mm, z_mm = self._machine.to_mm(position_steps)
-        self._target_mm: Point = (x_mm, y_mm, z_mm)
+        self._target_mm = x_mm, y_mm, z_mm
 
     # --- where it is ---------------------------------------------------------------------------
 

@@ -114,7 +114,7 @@ class Limits:
     def segment(
         self,
         steps: tuple[int, int, int],
-        way_mm: tuple[float, ...] | None,
+        way_mm: tuple[float, float, float] | None,
         feed_mm_s: float,
         top_mm_s: float,
         outputs: Outputs | None,

@@ -1,108 +1,298 @@
-"""The keys: one table that feeds bindings, footer, help, command list and palette.
+"""The keys: one table that feeds bindings, footer, help, command list, palette and every hint.
 
-Rule 1: a command is one row. Nothing else in the UI names a key.
-Rule 2: the stop keys are the only ones with priority: they work while an input has the focus and
-        while a dialog is open. Escape is the one to remember. Ctrl+C does the same and is a single
-        byte, so that no terminal has to wait to see whether more follows.
+Rule 1: a key is one row, with the area in which it works. Nothing else in the UI names a key; a
+        sentence that wants to name one asks ``said``.
+Rule 2: the keys that work everywhere have priority: also while an input has the focus and while a
+        dialog is open. Escape is the one to remember. Ctrl+C does the same and is a single byte,
+        so that no terminal has to wait to see whether more follows.
 Rule 3: keys that a plain terminal over SSH does not transmit are not used.
+Rule 4: axes are jogged by place. X, Y and Z have their own; any other axis takes the fourth place,
+        and then those that X, Y and Z leave free.
+Rule 5: an axis is zeroed by its capital letter. Where that is another command's (A, W), by ``0``,
+        and a second such axis by ``9``.
 """
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from enum import Enum
+from itertools import groupby
 from typing import Final
 
-#: From this press on the half-step jog goes ten-fold.
-REPEAT_FROM: Final = 21
-REPEAT_FACTOR: Final = 10
+from fraese.ui.shape import AxisShape, Shape
+from fraese.ui.widths import REPEAT_FACTOR, REPEAT_FROM, Width, widths
 
 
-class RepeatRule:
-    """The original's repeat rule (TASTATUR.PAS, Eingabe).
+class Area(Enum):
+    """Where a key works: a column of the table."""
 
-    Presses 1 to 20 of the same key count single, from the 21st on ten-fold; only another key
-    resets it, a pause does not.
-    """
-
-    def __init__(self) -> None:
-        self._key = ""
-        self._count = 0
-
-    def press(self, key: str) -> None:
-        """A key was pressed, any key."""
-        if key == self._key:
-            self._count += 1
-        else:
-            self._key, self._count = key, 1
-
-    @property
-    def factor(self) -> int:
-        """What the press last seen counts."""
-        return REPEAT_FACTOR if self._count >= REPEAT_FROM else 1
+    EVERYWHERE = "everywhere"
+    VIEWS = "every view"
+    MACHINE = "the machine's view"
+    GO_TO = "go to"
+    REFERENCE = "reference"
+    OPEN = "open a program"
+    ASK = "the job asks"
+    SWITCHES = "switch test"
+    HELP = "help"
 
 
 @dataclass(frozen=True, slots=True)
-class Width:
-    """A jog width.
-
-    Attributes:
-        mm: per press; None: one half-step, with the repeat rule.
-        label: for the display.
-    """
-
-    mm: float | None
-    label: str
-
-
-WIDTHS: Final = (
-    Width(None, "1 half-step"),
-    Width(0.01, "0.01 mm"),
-    Width(0.1, "0.1 mm"),
-    Width(1.0, "1 mm"),
-    Width(10.0, "10 mm"),
-)
-#: What the app starts with: 1 mm.
-FIRST_WIDTH: Final = 3
-
-
-@dataclass(frozen=True, slots=True)
-class Command:
+class Row:
     """One row of the table.
 
     Attributes:
-        keys: as Textual names them, comma-separated; the first is the one shown.
+        area: where it works.
+        keys: as Textual names them, comma-separated; empty: what has the focus deals with it.
         shown: the key for people.
-        action: of the app.
+        action: of the screen, or with ``app.`` of the app.
         title: in the palette and in the list of commands.
         help: a sentence for the help screen.
-        group: heading in the help screen.
+        group: heading in the help screen; empty: it is no command.
         footer: word for the footer; empty: not there.
-        priority: works everywhere, even while typing.
+        hint: words in a dialog's line of keys; empty: not there.
+        priority: comes before whatever has the focus.
     """
 
+    area: Area
     keys: str
     shown: str
     action: str
-    title: str
-    help: str
-    group: str
+    title: str = ""
+    help: str = ""
+    group: str = ""
     footer: str = ""
+    hint: str = ""
     priority: bool = False
 
 
-def _jog(keys: str, shown: str, axis: str, sign: int) -> Command:
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Two keys that lie opposite each other: (as Textual names it, for people).
+
+    Attributes:
+        minus: in negative direction,
+        plus: in positive direction.
+        upright: one key above the other, apart from the arrows.
+    """
+
+    minus: tuple[str, str]
+    plus: tuple[str, str]
+    upright: bool = False
+
+
+_FOURTH: Final = ""
+_PLACES: Final = {
+    "x": _Place(("left", "←"), ("right", "→")),
+    "y": _Place(("down", "↓"), ("up", "↑")),
+    "z": _Place(("pagedown", "PgDn"), ("pageup", "PgUp"), upright=True),
+    _FOURTH: _Place(("end", "End"), ("home", "Home"), upright=True),
+}
+#: In this order they are given to axes of other names.
+_FREE_PLACES: Final = (_FOURTH, "z", "y", "x")
+_OTHER_ZERO_KEYS: Final = ("0", "9")
+
+_STOP: Final = (
+    Row(
+        Area.EVERYWHERE, "escape,ctrl+c", "Esc", "app.stop_machine", "Stop",
+        "Brake with ramp and drop the rest of the job; pressed again while it still moves: stop"
+        " without ramp. Works everywhere, also while typing; at standstill it closes dialogs."
+        " Ctrl+C does the same.",
+        "Stop", "Stop", priority=True,
+    ),
+    Row(
+        Area.VIEWS, "space", "Space", "hold", "Hold, go on",
+        "Brake with ramp and wait; once more: go on where it stands.", "Stop", "Hold",
+    ),
+    Row(
+        Area.VIEWS, "enter", "Enter", "acknowledge", "Acknowledge",
+        "Take note of an error; before that nothing moves.", "Stop",
+    ),
+)  # fmt: skip
+_QUIT: Final = Row(
+    Area.VIEWS, "q", "q", "leave", "Quit",
+    "Leave, motors off. While the machine runs, stop it first.", "Machine", "Quit",
+)  # fmt: skip
+_GOING: Final = (
+    Row(
+        Area.MACHINE, "g", "g", "go_to", "Go to …",
+        "Go straight to a position, in work or machine coordinates, or by a distance.",
+        "Position", "Go",
+    ),
+    Row(
+        Area.MACHINE, "r", "r", "reference", "Reference …",
+        "Run to the end switches: all axes or chosen ones; measure the travel if wanted.",
+        "Position", "Ref",
+    ),
+)  # fmt: skip
+_REST: Final = (
+    Row(
+        Area.MACHINE, "A", "A", "zero('')", "Zero all",
+        "Let the work zero of all axes be here.", "Position",
+    ),
+    Row(
+        Area.MACHINE, "o", "o", "open", "Open program …",
+        "Choose a program file; it is read and checked.", "Program", "Open",
+    ),
+    Row(
+        Area.MACHINE, "s", "s", "start", "Start program",
+        "Run the program from its first line.", "Program", "Start",
+    ),
+    Row(
+        Area.MACHINE, "v", "v", "picture", "Next picture",
+        "Data with commands, data with large positions, path with position.", "Display", "View",
+    ),
+    Row(
+        Area.VIEWS, "t", "t", "theme", "Dark or light",
+        "Change between dark and light.", "Display",
+    ),
+    Row(
+        Area.MACHINE, "e", "e", "switch_test", "Switch test …",
+        "Press each end switch by hand and see it arrive.", "Machine",
+    ),
+    Row(
+        Area.MACHINE, "i", "i", "ignore", "Ignore switches",
+        "Let contacts stop the motors, or not: only for trying things out.", "Machine",
+    ),
+    Row(
+        Area.VIEWS, "l", "l", "log", "Log on or off",
+        "Write what happens to the log file, or stop writing.", "Machine",
+    ),
+    Row(
+        Area.VIEWS, "question_mark,f1", "?", "help", "Help",
+        "This page; also F1.", "Machine", "Help",
+    ),
+)  # fmt: skip
+
+_OVERRIDES: Final = (
+    Row(
+        Area.VIEWS, "comma,less_than_sign", ",", "override(-10)", "Slower feed",
+        "Feed override 10 % lower, down to 10 %; acts at once. Rapids keep their speed.", "Program",
+    ),
+    Row(
+        Area.VIEWS, "full_stop,greater_than_sign", ".", "override(10)", "Faster feed",
+        "Feed override 10 % higher, up to 200 %; acts on what is not in the queue yet.", "Program",
+    ),
+    Row(
+        Area.VIEWS, "equals_sign", "=", "override(0)", "Feed as programmed",
+        "Feed override 100 %.", "Program",
+    ),
+    Row(
+        Area.MACHINE, "w,plus", "w", "width(1)", "Wider step",
+        "The next larger step width, after the largest the smallest; also +.", "Jog",
+    ),
+    Row(
+        Area.MACHINE, "W,minus", "W", "width(-1)", "Narrower step",
+        "The next smaller step width; also -.", "Jog",
+    ),
+)  # fmt: skip
+_SCROLLING: Final = (
+    Row(
+        Area.MACHINE, "ctrl+up", "^↑", "scroll_path(-1)", "Path up",
+        "Scroll the program up.", "Program",
+    ),
+    Row(
+        Area.MACHINE, "ctrl+down", "^↓", "scroll_path(1)", "Path down",
+        "Scroll the program down.", "Program",
+    ),
+    Row(
+        Area.EVERYWHERE, "ctrl+q", "^q", "app.quit", "Quit at once",
+        "Brake, motors off, leave.", "Machine", priority=True,
+    ),
+)  # fmt: skip
+#: Textual binds this one itself.
+PALETTE: Final = Row(Area.EVERYWHERE, "ctrl+p", "^p", "app.command_palette")
+
+
+def _back(area: Area, hint: str = "back") -> Row:
+    return Row(area, "escape", "Esc", "back", hint=hint)
+
+
+#: Keys of dialogs and pages, in the order of their hints; the boxes of the axes come in between.
+_BEFORE_AXES: Final = (
+    Row(Area.GO_TO, "", "Enter", "accept", hint="go"),
+    Row(Area.GO_TO, "up", "↑", "counted_from(-1)", hint="counted from"),
+    Row(Area.GO_TO, "down", "↓", "counted_from(1)", hint="counted from"),
+    _back(Area.GO_TO),
+    Row(Area.OPEN, "", "Enter", "accept", hint="open"),
+    Row(Area.OPEN, "", "Tab", "", hint="to the files"),
+    _back(Area.OPEN),
+    Row(Area.ASK, "enter,space", "Enter", "accept", hint="go on", priority=True),
+    _back(Area.ASK, "stop the job"),
+    Row(Area.SWITCHES, "p", "p", "press", hint="press, let go (simulated)"),
+    Row(Area.SWITCHES, "up", "↑", "step(-1)", hint="ask for another one"),
+    Row(Area.SWITCHES, "down", "↓", "step(1)", hint="ask for another one"),
+    _back(Area.SWITCHES),
+    _back(Area.HELP),
+    Row(Area.HELP, "question_mark,f1,q", "?", "back"),
+    Row(Area.REFERENCE, "enter", "Enter", "accept", hint="go", priority=True),
+)
+_AFTER_AXES: Final = (
+    Row(Area.REFERENCE, "m", "m", "tick('measure')", hint="choose"),
+    _back(Area.REFERENCE),
+)
+_FIXED: Final = (*_STOP, _QUIT, *_GOING, *_REST, *_OVERRIDES, *_SCROLLING)
+GROUPS: Final = ("Stop", "Jog", "Position", "Program", "Display", "Machine")
+STOP_KEYS: Final = frozenset(
+    key for row in _FIXED if row.action == "app.stop_machine" for key in row.keys.split(",")
+)
+
+
+def said(action: str) -> str:
+    """The key of a command, as a sentence names it: "Esc", "o", "Ctrl+Q"."""
+    shown = next(row.shown for row in (*_FIXED, PALETTE) if row.action == action)
+    return f"Ctrl+{shown[1:].upper()}" if shown.startswith("^") else shown
+
+
+# --- rows that depend on the machine -------------------------------------------------------------
+
+
+def _jog_rows(axes: Sequence[AxisShape], *, upright: bool) -> list[Row]:
+    """Two for each axis: by the place of its name, or a free one."""
+    names = [axis.name for axis in axes]
+    free = (place for place in _FREE_PLACES if place not in names)
+    places = [_PLACES[name if name in _PLACES else next(free)] for name in names]
+    return [
+        _jog(place, axis, sign)
+        for axis, place in zip(axes, places, strict=True)
+        if place.upright is upright
+        for sign in ((1, -1) if upright else (-1, 1))
+    ]
+
+
+def _jog(place: _Place, axis: AxisShape, sign: int) -> Row:
+    key, shown = place.plus if sign > 0 else place.minus
     direction = "positive" if sign > 0 else "negative"
-    return Command(
-        keys,
+    verb = "Turn" if axis.turns else "Move"
+    return Row(
+        Area.MACHINE,
+        key,
         shown,
-        f"jog('{axis}', {sign})",
-        f"Jog {axis.upper()}{'+' if sign > 0 else '−'}",
-        f"Move {axis.upper()} by one step width in {direction} direction.",
+        f"jog('{axis.name}', {sign})",
+        f"Jog {axis.letter}{'+' if sign > 0 else '−'}",
+        f"{verb} {axis.letter} by one step width in {direction} direction.",
         "Jog",
     )
 
 
-def _set_width(number: int, width: Width) -> Command:
+def _zero_rows(axes: Sequence[AxisShape]) -> list[Row]:
+    """One for each axis: its capital letter, where that is free."""
+    taken = {key for row in _FIXED for key in row.keys.split(",")}
+    others = iter(_OTHER_ZERO_KEYS)
+    return [_zero(axis, axis.letter if axis.letter not in taken else next(others)) for axis in axes]
+
+
+def _zero(axis: AxisShape, key: str) -> Row:
+    name = axis.letter
+    return Row(
+        Area.MACHINE, key, key, f"zero('{axis.name}')", f"Zero {name}",
+        f"Let the work zero of {name} be here.", "Position",
+    )  # fmt: skip
+
+
+def _set_width(number: int, width: Width) -> Row:
     rule = "" if width.mm else f"; from press {REPEAT_FROM} of the same key on {REPEAT_FACTOR}"
-    return Command(
+    return Row(
+        Area.MACHINE,
         str(number),
         str(number),
         f"set_width({number - 1})",
@@ -112,121 +302,63 @@ def _set_width(number: int, width: Width) -> Command:
     )
 
 
-def _zero(axis: str) -> Command:
-    name = axis.upper()
-    return Command(
-        name, name, f"zero('{axis}')", f"Zero {name}", f"Let the work zero of {name} be here.",
-        "Position",
-    )  # fmt: skip
+def _choose(axis: AxisShape) -> Row:
+    return Row(Area.REFERENCE, axis.name, axis.name, f"tick('axis-{axis.name}')", hint="choose")
 
 
-#: In the order in which the list of commands shows them, column by column.
-LISTED: Final = (
-    Command(
-        "escape,ctrl+c", "Esc", "stop_machine", "Stop",
-        "Brake with ramp and drop the rest of the job; pressed again while it still moves: stop"
-        " without ramp. Works everywhere, also while typing; at standstill it closes dialogs."
-        " Ctrl+C does the same.",
-        "Stop", "Stop", True,
-    ),
-    Command(
-        "space", "Space", "hold", "Hold, go on",
-        "Brake with ramp and wait; once more: go on where it stands.", "Stop", "Hold",
-    ),
-    Command(
-        "enter", "Enter", "acknowledge", "Acknowledge",
-        "Take note of an error; before that nothing moves.", "Stop",
-    ),
-    _jog("pageup", "PgUp", "z", 1),
-    _jog("pagedown", "PgDn", "z", -1),
-    Command(
-        "q", "q", "leave", "Quit",
-        "Leave, motors off. While the machine runs, stop it first.", "Machine", "Quit",
-    ),
-    _jog("left", "←", "x", -1),
-    _jog("right", "→", "x", 1),
-    _jog("down", "↓", "y", -1),
-    _jog("up", "↑", "y", 1),
-    Command(
-        "g", "g", "go_to", "Go to …",
-        "Go straight to a position, in work or machine coordinates, or by a distance.",
-        "Position", "Go",
-    ),
-    Command(
-        "r", "r", "reference", "Reference …",
-        "Run to the end switches: all axes or chosen ones; measure the travel if wanted.",
-        "Position", "Ref",
-    ),
-    *(_zero(axis) for axis in "xyz"),
-    Command(
-        "A", "A", "zero('')", "Zero all", "Let the work zero of all axes be here.", "Position",
-    ),
-    Command(
-        "o", "o", "open", "Open program …", "Choose a program file; it is read and checked.",
-        "Program", "Open",
-    ),
-    Command(
-        "s", "s", "start", "Start program", "Run the program from its first line.",
-        "Program", "Start",
-    ),
-    Command(
-        "v", "v", "picture", "Next picture",
-        "Data with commands, data with large positions, path with position.", "Display", "View",
-    ),
-    Command("t", "t", "theme", "Dark or light", "Change between dark and light.", "Display"),
-    Command(
-        "e", "e", "switch_test", "Switch test …",
-        "Press each end switch by hand and see it arrive.", "Machine",
-    ),
-    Command(
-        "i", "i", "ignore", "Ignore switches",
-        "Let contacts stop the motors, or not: only for trying things out.", "Machine",
-    ),
-    Command(
-        "l", "l", "log", "Log on or off",
-        "Write what happens to the log file, or stop writing.", "Machine",
-    ),
-    Command("question_mark,f1", "?", "help", "Help", "This page; also F1.", "Machine", "Help"),
-)  # fmt: skip
+class KeyTable:
+    """All rows for one machine.
 
-#: The widths have a line of their own, the path is in another picture.
-UNLISTED: Final = (
-    Command(
-        "comma,less_than_sign", ",", "override(-10)", "Slower feed",
-        "Feed override 10 % lower, down to 10 %; acts at once. Rapids keep their speed.", "Program",
-    ),
-    Command(
-        "full_stop,greater_than_sign", ".", "override(10)", "Faster feed",
-        "Feed override 10 % higher, up to 200 %; acts on what is not in the queue yet.", "Program",
-    ),
-    Command(
-        "equals_sign", "=", "override(0)", "Feed as programmed", "Feed override 100 %.", "Program",
-    ),
-    Command(
-        "w,plus", "w", "width(1)", "Wider step",
-        "The next larger step width, after the largest the smallest; also +.", "Jog",
-    ),
-    Command(
-        "W,minus", "W", "width(-1)", "Narrower step",
-        "The next smaller step width; also -.", "Jog",
-    ),
-    *(_set_width(number, width) for number, width in enumerate(WIDTHS, start=1)),
-    Command("ctrl+up", "^↑", "scroll_path(-1)", "Path up", "Scroll the program up.", "Program"),
-    Command(
-        "ctrl+down", "^↓", "scroll_path(1)", "Path down", "Scroll the program down.", "Program",
-    ),
-    Command(
-        "ctrl+q", "^q", "quit", "Quit at once", "Brake, motors off, leave.", "Machine",
-        priority=True,
-    ),
-)  # fmt: skip
+    Args:
+        shape: its axes and steps.
 
-COMMANDS: Final = LISTED + UNLISTED
-GROUPS: Final = ("Stop", "Jog", "Position", "Program", "Display", "Machine")
+    Attributes:
+        listed: commands in the order in which the list of commands shows them, column by column.
+        commands: these and those that are only in the help and the palette.
+        rows: these and the keys of dialogs and pages.
+    """
 
-STOP_KEYS: Final = frozenset(
-    key
-    for command in COMMANDS
-    if command.action == "stop_machine"
-    for key in command.keys.split(",")
-)
+    def __init__(self, shape: Shape) -> None:
+        self.listed = (
+            *_STOP,
+            *_jog_rows(shape.axes, upright=True),
+            _QUIT,
+            *_jog_rows(shape.axes, upright=False),
+            *_GOING,
+            *_zero_rows(shape.axes),
+            *_REST,
+        )
+        # The widths have a line of their own, the path is in another picture.
+        steps = (_set_width(number, width) for number, width in enumerate(widths(shape), start=1))
+        self.commands = (*self.listed, *_OVERRIDES, *steps, *_SCROLLING)
+        boxes = (_choose(axis) for axis in shape.axes)
+        self.rows = (*self.commands, *_BEFORE_AXES, *boxes, *_AFTER_AXES)
+        self._step_word = shape.step_word
+
+    def of(self, *areas: Area) -> Iterable[Row]:
+        """The rows of these areas, in the order of the table."""
+        return (row for row in self.rows if row.area in areas)
+
+    def hint(self, area: Area, *, but: str | None = None) -> str:
+        """A dialog's line of keys.
+
+        Args:
+            area: of the dialog.
+            but: an action that is not there just now.
+        """
+        rows = [row for row in self.of(area) if row.hint and row.action != but]
+        return "   ".join(
+            f"{' '.join(row.shown for row in together)}: {words}"
+            for words, together in groupby(rows, lambda row: row.hint)
+        )
+
+    def notes(self) -> tuple[str, ...]:
+        """What the help screen says below the keys."""
+        return (
+            f"At {self._step_word} width the original's repeat rule holds: presses 1 to"
+            f" {REPEAT_FROM - 1} of the same key count single, from the {REPEAT_FROM}st on"
+            " ten-fold; only another key resets it.",
+            "Nothing here is an emergency stop: that is a switch which cuts the power.",
+            "Escape takes a tenth of a second, since longer keys begin like it; inside tmux or"
+            " screen more (tmux: set escape-time 0). Ctrl+C takes none.",
+        )

@@ -20,7 +20,8 @@ from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import End
 from fraese.planner.lines import plan_line
 from fraese.ui import FraeseApp
-from fraese.ui.fact import Fact
+from fraese.ui.views.machine import MachineView
+from fraese.ui.widgets.fact import Fact
 
 #: How long a test waits for what must come. Only a failing test takes so long, or a machine that is
 #: busy with something else.
@@ -80,14 +81,21 @@ class Bench:
         self._start_steps = self.mill.look().carriages_steps
 
     @property
+    def view(self) -> MachineView:
+        """The view below whatever is open."""
+        view = self.app.view
+        assert isinstance(view, MachineView)
+        return view
+
+    @property
     def moved_steps(self) -> tuple[float, ...]:
         """How far the carriages have come from where they stood."""
         at = self.mill.look().carriages_steps
         return tuple(a - b for a, b in zip(at, self._start_steps, strict=True))
 
     def text(self, selector: str) -> str:
-        """What a field of the main screen shows."""
-        return self.app.screen_stack[0].query_one(selector, Fact).text
+        """What a field of the view shows."""
+        return self.view.query_one(selector, Fact).text
 
     async def press(self, *keys: str) -> None:
         await self.pilot.press(*keys)
@@ -110,7 +118,7 @@ class Bench:
 
     async def long_move(self, mm: float = LONG_MOVE_MM) -> None:
         """X sets out on a way of twenty minutes, or a shorter one, and has reached its speed."""
-        self.app.order(lambda: self.plant.controller.move_to({"x": mm}))
+        self.app.link.order(lambda: self.plant.controller.move_to({"x": mm}))
         await self.wait(lambda: self.plant.controller.state().speed_mm_min > 1100)
 
     async def jog(self, *keys: str) -> None:

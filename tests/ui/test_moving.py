@@ -5,8 +5,9 @@ from textual.widgets import Input
 
 from fraese.config import Config
 from fraese.control.state import Status
-from fraese.ui.dialogs import GoToDialog, ReferenceDialog
-from fraese.ui.help_screen import HelpScreen
+from fraese.ui.dialogs.goto import GoToDialog
+from fraese.ui.dialogs.help import HelpPage
+from fraese.ui.dialogs.reference import ReferenceDialog
 from tests.ui.helpers import LONG_MOVE_MM, FakeProgram, bench, play
 
 
@@ -113,10 +114,10 @@ def test_bad_target_is_said_and_nothing_moves() -> None:
     async def scene() -> None:
         async with bench() as b:
             await b.press("g")
-            await b.type("X1,5")
+            await b.type("X1 5")
             await b.press("enter")
             assert isinstance(b.app.screen, GoToDialog)
-            assert "decimal point" in b.app.screen.query_one("#complaint").text  # type: ignore[attr-defined]
+            assert '"5" is not a letter with a number' in b.app.screen.query_one("#complaint").text  # type: ignore[attr-defined]
             await b.press("ctrl+u", "ctrl+k")
             await b.type("X1000")
             await b.press("enter")
@@ -231,13 +232,13 @@ def test_hold_and_stop_count_for_one_job_only() -> None:
         async with bench(clock="paced") as b:
             controller = b.plant.controller
             await b.long_move(10.0)
-            b.app.action_hold()
+            b.view.action_hold()
             b.app.action_stop_machine()
             await b.wait(lambda: not b.app.busy)
             await b.long_move()
             assert not controller.holding
             assert not controller.cancelling
-            b.app.action_hold()
+            b.view.action_hold()
             assert controller.holding
             await b.wait(lambda: controller.state().held)
             b.app.action_stop_machine()
@@ -327,7 +328,7 @@ def test_nothing_jogs_while_a_program_runs_or_a_page_is_open() -> None:
         program = FakeProgram([f"G1 X{n % 2}" for n in range(400)])
         async with bench(clock="paced", open_program=lambda path: program) as b:
             await b.press("question_mark")
-            assert isinstance(b.app.screen, HelpScreen)
+            assert isinstance(b.app.screen, HelpPage)
             await b.press("up", "pageup", "escape")
             await b.press("o")
             await b.type("fake.nc")

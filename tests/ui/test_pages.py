@@ -8,12 +8,13 @@ from textual.widgets import Button, DirectoryTree
 from fraese.config import Config
 from fraese.control.jobs import Ask, Job
 from fraese.control.state import Status
-from fraese.ui.dialogs import AskDialog, OpenDialog
-from fraese.ui.fact import Number
-from fraese.ui.links import Link
-from fraese.ui.machine_screen import PICTURES, MachineScreen
-from fraese.ui.path import PathView
-from fraese.ui.switch_screen import SwitchScreen
+from fraese.ui.dialogs.ask import AskDialog
+from fraese.ui.dialogs.open import OpenDialog
+from fraese.ui.dialogs.switches import SwitchPage
+from fraese.ui.views.machine import PICTURES, MachineView
+from fraese.ui.widgets.fact import Number
+from fraese.ui.widgets.links import Link
+from fraese.ui.widgets.path import PathView
 from tests.ui.helpers import Bench, FakeFacts, FakeProgram, bench, play
 
 
@@ -112,14 +113,14 @@ def test_a_question_of_the_job_is_asked() -> None:
                 yield Ask("Change the tool, then go on.")
                 done.append(1)
 
-            b.app.order(lambda: b.plant.controller.start("tool change", job()))
+            b.app.link.order(lambda: b.plant.controller.start("tool change", job()))
             await b.wait(lambda: isinstance(b.app.screen, AskDialog))
             assert b.text("#word") == "WAIT"
             await b.press("enter")
             await b.settled()
             assert done == [1]
             assert not isinstance(b.app.screen, AskDialog)
-            b.app.order(lambda: b.plant.controller.start("tool change", job()))
+            b.app.link.order(lambda: b.plant.controller.start("tool change", job()))
             await b.wait(lambda: isinstance(b.app.screen, AskDialog))
             await b.press("escape")
             await b.settled()
@@ -135,7 +136,7 @@ def test_switch_page_ticks_off_what_is_pressed_by_hand() -> None:
         async with bench() as b:
             await b.press("e")
             page = b.app.screen
-            assert isinstance(page, SwitchScreen)
+            assert isinstance(page, SwitchPage)
             for name in page.test.names:
                 assert page.test.asked == name
                 b.hand(name, True)
@@ -145,7 +146,7 @@ def test_switch_page_ticks_off_what_is_pressed_by_hand() -> None:
             assert page.test.done
             assert b.moved_steps == (0, 0, 0)
             await b.press("escape")
-            assert not isinstance(b.app.screen, SwitchScreen)
+            assert not isinstance(b.app.screen, SwitchPage)
 
     play(scene)
 
@@ -221,7 +222,7 @@ def test_pictures_fit(size: tuple[int, int], light: bool) -> None:
             seen = []
             for _ in PICTURES:
                 screen = b.app.screen
-                assert isinstance(screen, MachineScreen)
+                assert isinstance(screen, MachineView)
                 seen.append(screen.picture)
                 assert clipped(b) == []
                 await b.press("v")
@@ -315,7 +316,7 @@ def test_a_long_message_is_seen_in_full(presses: int) -> None:
             await b.press(*["v"] * presses)
             sentence = " ".join(["twenty-two characters."] * 8) + " The last word."
             screen = b.app.screen
-            assert isinstance(screen, MachineScreen)
+            assert isinstance(screen, MachineView)
             screen.say(sentence)
             await b.wait(lambda: screen.query_one("#message").size.height == 3)
             assert clipped(b) == []

@@ -6,11 +6,14 @@ from fraese.control.state import MachineState, Status
 from fraese.control.switchtest import SwitchTest
 from fraese.ui.feed import StateFeed
 from fraese.ui.jogging import Jog
-from fraese.ui.keys import COMMANDS, GROUPS, WIDTHS, RepeatRule
-from fraese.ui.position import millimetres
-from fraese.ui.status import clock_words, status_word, switch_words
+from fraese.ui.keys import GROUPS, KeyTable
+from fraese.ui.shape import AxisShape, Shape
+from fraese.ui.widgets.position import three_decimals
+from fraese.ui.widgets.status import clock_words, status_word, switch_words
+from fraese.ui.widths import RepeatRule, widths
 
 AXES = ("x", "y", "z")
+MILL = Shape(tuple(AxisShape(name, "mm", 0.005) for name in AXES), "half-step")
 
 
 def state(**facts: object) -> MachineState:
@@ -51,14 +54,15 @@ def test_only_another_key_resets_the_repeat_rule(other: str) -> None:
 
 
 def test_every_command_has_its_own_keys_and_a_group() -> None:
-    keys = [key for command in COMMANDS for key in command.keys.split(",")]
+    commands = KeyTable(MILL).commands
+    keys = [key for command in commands for key in command.keys.split(",")]
     assert len(keys) == len(set(keys))
-    assert {command.group for command in COMMANDS} == set(GROUPS)
-    assert all(command.help.endswith(".") for command in COMMANDS)
+    assert {command.group for command in commands} == set(GROUPS)
+    assert all(command.help.endswith(".") for command in commands)
 
 
 def test_widths_reach_from_a_half_step_to_10_mm() -> None:
-    assert [width.mm for width in WIDTHS] == [None, 0.01, 0.1, 1.0, 10.0]
+    assert [width.mm for width in widths(MILL)] == [None, 0.01, 0.1, 1.0, 10.0]
 
 
 def test_feed_keeps_the_latest_and_posts_once() -> None:
@@ -85,7 +89,7 @@ def test_jogs_of_one_key_merge_up_to_a_bound() -> None:
 
 
 def test_words() -> None:
-    assert millimetres(-0.0001) == "0.000"
+    assert three_decimals(-0.0001) == "0.000"
     assert clock_words(59.9) == "0:59"
     assert clock_words(3725) == "1:02:05"
     assert switch_words(state()) == "switch open"

@@ -7,6 +7,10 @@ from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
+from fraese.ui.keys import said
+
+_NONE = f"No program: press {said('open')} to open one."
+
 
 class PathView(ScrollView, can_focus=False):
     """Draws only the lines that are seen, so that a long program costs no more than a short one."""
@@ -62,7 +66,7 @@ class PathView(ScrollView, can_focus=False):
         width = self.size.width
         base = self.get_component_rich_style("path--line")
         if index >= len(self._lines):
-            text = "" if self._lines or y else "No program: press o to open one."
+            text = "" if self._lines or y else _NONE
             return Strip([Segment(text, base)]).adjust_cell_length(width, base)
         current = index + 1 == self._current
         style = self.get_component_rich_style("path--current") if current else base

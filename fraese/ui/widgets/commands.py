@@ -1,28 +1,37 @@
 """The list of commands in the first picture."""
 
+from collections.abc import Sequence
 from typing import Final
 
 from textual.app import ComposeResult
 from textual.containers import Grid
 
-from fraese.ui.keys import LISTED
-from fraese.ui.links import Link
+from fraese.ui.keys import Row
+from fraese.ui.widgets.links import Link
 
 _COLUMNS: Final = 4
 
 
 class CommandList(Grid):
-    """Every command with its key, to be clicked; read column by column."""
+    """Every command with its key, to be clicked; read column by column.
 
-    def __init__(self) -> None:
+    Args:
+        listed: the commands.
+    """
+
+    def __init__(self, listed: Sequence[Row]) -> None:
         super().__init__(id="commands")
+        self._listed = listed
+        self._rows = -(-len(listed) // _COLUMNS)
+        self.styles.height = self._rows
 
     def compose(self) -> ComposeResult:
         """A grid is filled row by row."""
-        rows = -(-len(LISTED) // _COLUMNS)
-        columns = [LISTED[at : at + rows] for at in range(0, len(LISTED), rows)]
+        columns = [
+            self._listed[at : at + self._rows] for at in range(0, len(self._listed), self._rows)
+        ]
         widths = [max(len(command.shown) for command in column) for column in columns]
-        for row in range(rows):
+        for row in range(self._rows):
             for column, width in zip(columns, widths, strict=True):
                 if row < len(column):
                     command = column[row]

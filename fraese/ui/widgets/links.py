@@ -1,22 +1,25 @@
 """Commands that can be clicked."""
 
-from typing import TYPE_CHECKING, cast
-
 from textual.content import Content
+from textual.message import Message
 from textual.widgets import Static
-
-if TYPE_CHECKING:
-    from fraese.ui.app import FraeseApp
 
 
 class Link(Static):
-    """Key and title; a click does what the key does.
+    """Key and title; a click does what the key does: it tells the screen.
 
     Args:
-        action: of the app.
+        action: of the screen.
         key: shown in front.
         title: shown behind.
     """
+
+    class Clicked(Message):
+        """This command is wanted."""
+
+        def __init__(self, action: str) -> None:
+            super().__init__()
+            self.action = action
 
     def __init__(self, action: str, key: str, title: str) -> None:
         super().__init__(classes="link")
@@ -29,8 +32,6 @@ class Link(Static):
         key = "bold" if self.has_class("-chosen") else "bold $accent"
         return Content.assemble((self._key, key), " ", self._title)
 
-    async def on_click(self) -> None:
-        """Do it; a click is no press of a key, so the repeat rule starts anew."""
-        app = cast("FraeseApp", self.app)
-        app.forget_repeats()
-        await app.run_action(self._action)
+    def on_click(self) -> None:
+        """Tell the screen."""
+        self.post_message(self.Clicked(self._action))

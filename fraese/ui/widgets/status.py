@@ -1,12 +1,15 @@
 """State, switch, motors, log, width; the job in hand; the last message."""
 
+from collections.abc import Sequence
+
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 
 from fraese.control.state import JobProgress, MachineState, Status
-from fraese.ui.fact import Fact
-from fraese.ui.keys import WIDTHS
-from fraese.ui.links import Link
+from fraese.ui.keys import Row, said
+from fraese.ui.widgets.fact import Fact
+from fraese.ui.widgets.links import Link
+from fraese.ui.widths import Width
 
 _TONES = {
     "OK": "-good", "RUN": "-run", "HOLD": "-warn", "WAIT": "-warn", "CANCEL": "-warn",
@@ -102,13 +105,19 @@ class StatusPanel(Vertical):
 
 
 class WidthBar(Horizontal):
-    """The jog widths to choose from."""
+    """The jog widths to choose from.
 
-    def __init__(self) -> None:
+    Args:
+        choice: the widths,
+        keys: and their keys with the actions.
+    """
+
+    def __init__(self, choice: Sequence[Width], keys: Sequence[Row]) -> None:
         super().__init__(id="widths")
+        self._choice = choice
         self._links = [
-            Link(f"set_width({index})", str(index + 1), width.label)
-            for index, width in enumerate(WIDTHS)
+            Link(key.action, key.shown, width.label)
+            for key, width in zip(keys, choice, strict=True)
         ]
         self._note = Fact("", id="width-note")
 
@@ -119,16 +128,22 @@ class WidthBar(Horizontal):
         yield self._note
 
     def show(self, chosen: int, factor: int) -> None:
-        """Mark the chosen width; the factor at half-step width."""
+        """Mark the chosen width; the factor at the width of one step."""
         for index, link in enumerate(self._links):
             link.set_class(index == chosen, "-chosen")
-        self._note.show(f"× {factor}" if factor > 1 and WIDTHS[chosen].mm is None else "", "-warn")
+        self._note.show(
+            f"× {factor}" if factor > 1 and self._choice[chosen].mm is None else "", "-warn"
+        )
 
 
 class MessageLine(Fact):
     """The last thing that a person should know; a long sentence takes a third line."""
 
     flows = True
+
+    def on_resize(self) -> None:
+        """More than two lines: what stands above has less room."""
+        self.screen.set_class(self.size.height > 2, "-tight")
 
 
 class JobLine(Fact):
@@ -140,7 +155,7 @@ class JobLine(Fact):
     def show_job(self, state: MachineState) -> None:
         """Draw what changed; empty between jobs."""
         if state.status is Status.ERROR:
-            self.show("Press Enter to acknowledge the error.", "-alarm")
+            self.show(f"Press {said('acknowledge')} to acknowledge the error.", "-alarm")
             return
         running = state.status is Status.RUN and state.job is not None
         self.show(self._words(state.job) if running and state.job else "")

@@ -3,14 +3,15 @@
 from collections.abc import Callable
 
 from textual.app import ComposeResult
-from textual.binding import Binding
 from textual.containers import Vertical
 
 from fraese.control.state import MachineState
 from fraese.control.switchtest import SwitchTest
-from fraese.ui.fact import Fact
-from fraese.ui.pages import LivePage
-from fraese.ui.status import switch_words
+from fraese.ui.dialogs.page import LivePage
+from fraese.ui.keys import Area, KeyTable
+from fraese.ui.shape import Shape
+from fraese.ui.widgets.fact import Fact
+from fraese.ui.widgets.status import switch_words
 
 Hand = Callable[[str, bool], None]
 
@@ -18,7 +19,7 @@ Hand = Callable[[str, bool], None]
 class SwitchRow(Fact):
     """One switch; a click asks for it."""
 
-    def __init__(self, page: "SwitchScreen", name: str) -> None:
+    def __init__(self, page: "SwitchPage", name: str) -> None:
         super().__init__(id=f"switch-{name}", classes="switch-row")
         self._page = page
         self._end_name = name
@@ -28,24 +29,24 @@ class SwitchRow(Fact):
         self._page.ask(self._end_name)
 
 
-class SwitchScreen(LivePage[None]):
+class SwitchPage(LivePage[None]):
     """Asks for one switch after the other; motors stand.
 
     Args:
-        axes: names.
+        keys: the table.
+        shape: which axes there are.
+        state: how the machine stands.
         hand: presses (True) and lets go of a switch where the machine is simulated.
     """
 
-    BINDINGS = [  # noqa: RUF012
-        Binding("escape", "dismiss", show=False),
-        Binding("up", "step(-1)", show=False),
-        Binding("down", "step(1)", show=False),
-        Binding("p", "press", show=False),
-    ]
+    AREA = Area.SWITCHES
 
-    def __init__(self, axes: tuple[str, ...], hand: Hand | None = None) -> None:
-        super().__init__()
-        self._test = SwitchTest(axes)
+    def __init__(
+        self, keys: KeyTable, shape: Shape, state: MachineState, hand: Hand | None = None
+    ) -> None:
+        super().__init__(keys)
+        self._state = state
+        self._test = SwitchTest(shape.names_with_switches)
         self._rows = {name: SwitchRow(self, name) for name in self._test.names}
         self._hand = hand
         self._held = ""
@@ -60,9 +61,7 @@ class SwitchScreen(LivePage[None]):
 
     def compose(self) -> ComposeResult:
         """Heading, switches, input, what to do."""
-        keys = "↑ ↓: ask for another one   Esc: back"
-        if self._hand is not None:
-            keys = "p: press, let go (simulated)   " + keys
+        keys = self.keys.hint(self.AREA, but="press" if self._hand is None else None)
         with Vertical(classes="dialog"):
             yield Fact("Switch test", classes="dialog-title")
             yield self._sentence
@@ -73,7 +72,7 @@ class SwitchScreen(LivePage[None]):
 
     def on_mount(self) -> None:
         """Draw the list."""
-        self._draw()
+        self.show(self._state)
 
     def on_unmount(self) -> None:
         """Take the hand off the switch."""

@@ -1,0 +1,1 @@
+"""Dialogs and pages above a view: each answers, or shows, one thing."""

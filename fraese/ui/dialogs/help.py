@@ -1,0 +1,38 @@
+"""The help page, made from the key table."""
+
+from rich.table import Table
+from rich.text import Text
+from textual.app import ComposeResult
+from textual.containers import Vertical, VerticalScroll
+from textual.widgets import Static
+
+from fraese.ui.dialogs.page import Page
+from fraese.ui.keys import GROUPS, PALETTE, Area, said
+from fraese.ui.widgets.fact import Fact
+
+
+class HelpPage(Page[None]):
+    """Keys by group."""
+
+    AREA = Area.HELP
+
+    def compose(self) -> ComposeResult:
+        """Heading, groups, notes."""
+        with Vertical(classes="dialog wide"):
+            yield Fact("Keys", classes="dialog-title")
+            with VerticalScroll():
+                for group in GROUPS:
+                    yield Fact(group, classes="help-heading")
+                    yield Static(self._group(group), classes="help-group")
+                yield Static("\n\n".join(self.keys.notes()), classes="help-notes", markup=False)
+            palette = f"Every command is also in the palette: {said(PALETTE.action)}."
+            yield Fact(f"{palette}   {self.keys.hint(self.AREA)}", classes="hint")
+
+    def _group(self, group: str) -> Table:
+        table = Table.grid(padding=(0, 2))
+        table.add_column(justify="right", min_width=5, no_wrap=True)
+        table.add_column()
+        for command in self.keys.commands:
+            if command.group == group:
+                table.add_row(Text(command.shown, "bold"), f"{command.title}: {command.help}")
+        return table

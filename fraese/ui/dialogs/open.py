@@ -1,0 +1,59 @@
+"""Which program to open."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from textual import on
+from textual.app import ComposeResult
+from textual.widgets import DirectoryTree, Input
+
+from fraese.ui.dialogs.dialog import Dialog
+from fraese.ui.keys import Area, KeyTable
+
+
+class FileTree(DirectoryTree):
+    """Folders and files, hidden ones left out."""
+
+    ICON_NODE = "▸ "
+    ICON_NODE_EXPANDED = "▾ "
+    ICON_FILE = "  "
+
+    def filter_paths(self, paths: Iterable[Path]) -> Iterable[Path]:
+        """Leave out what is hidden."""
+        return [path for path in paths if not path.name.startswith(".")]
+
+
+class OpenDialog(Dialog[Path]):
+    """A program file: its path is typed, or it is chosen from the tree.
+
+    Args:
+        keys: the table.
+        folder: where the tree begins.
+        path: what is in the input.
+    """
+
+    AREA = Area.OPEN
+    HEADING = "Open a program"
+    YES = "Open"
+
+    def __init__(self, keys: KeyTable, folder: Path, path: str) -> None:
+        super().__init__(keys)
+        self._folder = folder
+        self._path = path
+
+    def inner(self) -> ComposeResult:
+        """Input and tree."""
+        yield Input(self._path, placeholder="path of a program file", id="file")
+        yield FileTree(self._folder, id="tree")
+
+    @on(DirectoryTree.FileSelected)
+    def _chosen(self, event: DirectoryTree.FileSelected) -> None:
+        self.dismiss(event.path)
+
+    def action_accept(self) -> None:
+        """What was typed."""
+        text = self.query_one("#file", Input).value.strip()
+        if not text:
+            self.complain("Type the path of a program file, or choose one below.")
+            return
+        self.dismiss(Path(text).expanduser())

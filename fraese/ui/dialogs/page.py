@@ -1,0 +1,39 @@
+"""Pages above a view that show the machine."""
+
+from abc import abstractmethod
+from typing import TypeVar
+
+from textual.screen import ModalScreen
+
+from fraese.control.state import MachineState
+from fraese.ui.bindings import bind
+from fraese.ui.keys import Area, KeyTable
+
+R = TypeVar("R")
+
+
+class Page(ModalScreen[R | None]):
+    """A page with keys of its own; the result None: nothing is wanted.
+
+    Args:
+        keys: the table; ``AREA`` says which rows are the page's.
+    """
+
+    AREA: Area
+
+    def __init__(self, keys: KeyTable) -> None:
+        super().__init__()
+        self.keys = keys
+        bind(self, keys.of(self.AREA))
+
+    def action_back(self) -> None:
+        """Nothing is wanted."""
+        self.dismiss(None)
+
+
+class LivePage(Page[R]):
+    """A page that is told every state that is drawn."""
+
+    @abstractmethod
+    def show(self, state: MachineState) -> None:
+        """Draw what changed."""

@@ -1,0 +1,219 @@
+r"""The machine as the app sees it: orders in, states and messages out.
+
+    order ----> worker.submit ----> run loop ----offer----> feed ----> app
+     \---stop, hold---> flag (no queue in between)
+
+Rule 1: nothing heavy happens in the app's thread; the machine's thread posts messages, no more.
+Rule 2: stop and hold do not wait in line behind anything.
+Rule 3: the latest state wins; alarms and refusals are messages of their own, each is shown.
+Rule 4: every order that moves is announced first (``before_motion``); what that raises is shown,
+        and nothing moves.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+
+from textual.message import Message
+
+from fraese.control.controller import Controller
+from fraese.control.state import MachineState, Status
+from fraese.control.worker import Command, Worker
+from fraese.ui.feed import StateFeed
+from fraese.ui.jogging import Jog, Jogger
+from fraese.ui.messages import Alarmed, Noted, Refused, StateChanged
+from fraese.ui.shape import shape_of
+
+_OVERRIDE_PERCENT = (10, 200)
+
+
+class MachineLink:
+    """Owns the worker, and through it the controller.
+
+    Orders return whether they were taken; one that is not has not been done.
+
+    Args:
+        controller: owned by the worker's thread until ``close``, and closed then.
+        post: tells the app something; called from any thread.
+        before_motion: called in the machine's thread before every order that moves.
+
+    Attributes:
+        shape: what the machine has.
+    """
+
+    def __init__(
+        self,
+        controller: Controller,
+        post: Callable[[Message], object],
+        before_motion: Callable[[], object] | None = None,
+    ) -> None:
+        self._controller = controller
+        self._post = post
+        self._before_motion = before_motion or (lambda: None)
+        self._worker = Worker(controller, on_refusal=self._refused, on_idle=self.offer)
+        self._feed = StateFeed(lambda: post(StateChanged()))
+        self._jogger = Jogger(controller, self._worker)
+        self.shape = shape_of(controller)
+        controller.set_display(self._full_display)
+        controller.set_show_pos(self.offer)
+
+    def start(self) -> None:
+        """Begin to work."""
+        self._worker.start()
+
+    def close(self) -> None:
+        """Wait for standstill, motors off. Safe to call twice."""
+        self._worker.close()
+
+    # --- facts -----------------------------------------------------------------------------------
+
+    @property
+    def busy(self) -> bool:
+        """Something runs or waits."""
+        return self._worker.busy
+
+    @property
+    def moving(self) -> bool:
+        """A job runs; it may be held."""
+        return self._controller.status is Status.RUN
+
+    @property
+    def cancelling(self) -> bool:
+        """The operator has pressed stop and it still moves."""
+        return self._controller.cancelling
+
+    def state(self) -> MachineState:
+        """How it stands now."""
+        return self._controller.state()
+
+    def take(self) -> MachineState | None:
+        """The latest state that was told of, for the app's thread."""
+        return self._feed.take()
+
+    def offer(self) -> None:
+        """Tell of the state, if it is a new one. From any thread."""
+        self._feed.offer(self._controller.state())
+
+    def _refused(self, sentence: str) -> None:
+        self._post(Refused(sentence))
+
+    def _full_display(self) -> None:
+        self.offer()
+        state = self._controller.state()
+        if state.status is Status.ERROR:
+            self._post(Alarmed(state.message))
+
+    # --- at once, from any thread ----------------------------------------------------------------
+
+    def brake_or_stop(self) -> bool:
+        """Brake; what is braking already stops without ramp. Whether the machine moved."""
+        moving = self.moving
+        if self._controller.cancelling:
+            self._worker.stop()
+        else:
+            self._worker.cancel()
+        self._jogger.forget()
+        return moving
+
+    def brake(self) -> None:
+        """Brake, and drop what waits; never harder than with ramp."""
+        self._worker.cancel()
+        self._jogger.forget()
+
+    def hold_or_go_on(self) -> None:
+        """Feed hold, or go on where it stands."""
+        if self._controller.holding:
+            self._controller.resume()
+        elif self.moving:
+            self._controller.hold()
+
+    def override(self, by_percent: int) -> None:
+        """Feed override up or down, or (0) as programmed."""
+        low, high = _OVERRIDE_PERCENT
+        percent = round(self._controller.override * 100) + by_percent if by_percent else 100
+        self._controller.set_override(min(max(percent, low), high) / 100)
+
+    def answer(self) -> None:
+        """What the job asks for has been done."""
+        self._controller.answer()
+
+    def switch_log(self) -> str:
+        """Log on or off; what to say about it, empty where there is none.
+
+        Raises:
+            ConfigError: if the file cannot be written.
+        """
+        self._controller.switch_log(not self._controller.state().log_on)
+        self.offer()
+        log = self._controller.log
+        return f"The log is {'on' if log.is_on else 'off'}: {log.path}" if log is not None else ""
+
+    # --- in line ---------------------------------------------------------------------------------
+
+    def order(self, command: Command, *, moves: bool = True) -> bool:
+        """Hand a command to the machine's thread."""
+        if not moves:
+            return self._worker.submit(command)
+
+        def announced() -> None:
+            self._before_motion()
+            command()
+
+        return self._worker.submit(announced)
+
+    def order_of(self, command: Callable[[Controller], object], *, moves: bool = True) -> bool:
+        """The same for what wants the controller."""
+        return self.order(lambda: command(self._controller), moves=moves)
+
+    def jog(self, jog: Jog) -> bool:
+        """One press of a jog key."""
+        return self._jogger.press(jog, self._before_motion)
+
+    def go_to(
+        self,
+        targets: Mapping[str, float],
+        *,
+        relative: bool,
+        machine_coordinates: bool,
+        feed_mm_min: float | None,
+    ) -> bool:
+        """A straight line; see ``Controller.move_to``."""
+        return self.order(
+            lambda: self._controller.move_to(
+                targets,
+                relative=relative,
+                machine_coordinates=machine_coordinates,
+                feed_mm_min=feed_mm_min,
+            )
+        )
+
+    def reference(self, axes: Sequence[str], *, measure: bool) -> bool:
+        """Run to the end switches."""
+        return self.order(lambda: self._controller.home(axes, measure=measure))
+
+    def zero(self, axes: Sequence[str]) -> bool:
+        """Work zero here; tells where this point was before."""
+
+        def zero() -> None:
+            before = self._controller.state()
+            self._controller.set_zero(axes)
+            was = self._position_words(before, axes)
+            self._post(Noted(f"Work zero set here; this point was {was} before."))
+
+        return self.order(zero, moves=False)
+
+    def _position_words(self, state: MachineState, names: Sequence[str]) -> str:
+        """In work coordinates; the unit once where it is the same for all."""
+        chosen = [(axis, i) for i, axis in enumerate(self.shape.axes) if axis.name in names]
+        numbers = [f"{axis.letter} {state.work_mm[i]:.3f}" for axis, i in chosen]
+        if not any(axis.turns for axis, _ in chosen):
+            return " ".join(numbers) + " mm"
+        return " ".join(
+            axis.with_unit(number) for (axis, _), number in zip(chosen, numbers, strict=True)
+        )
+
+    def ignore_switches(self, ignore: bool) -> bool:
+        """Contacts stop the motors, or do not."""
+        return self.order(lambda: self._controller.ignore_switches(ignore), moves=False)
+
+    def acknowledge(self) -> bool:
+        """Take note of an error."""
+        return self.order(self._controller.acknowledge, moves=False)

@@ -1,0 +1,240 @@
+"""The machine in three pictures.
+
+commands    data with commands
+position    data without commands, position with the way between the limits
+path        path data with position
+"""
+
+from pathlib import Path
+from typing import Final
+
+from textual import work
+from textual.app import ComposeResult
+from textual.containers import Container
+from textual.widgets import Footer
+
+from fraese.control.controller import Controller
+from fraese.control.state import MachineState
+from fraese.errors import FraeseError
+from fraese.ui.dialogs.goto import From, GoTo, GoToDialog
+from fraese.ui.dialogs.open import OpenDialog
+from fraese.ui.dialogs.reference import Reference, ReferenceDialog
+from fraese.ui.dialogs.switches import SwitchPage
+from fraese.ui.jogging import Jog
+from fraese.ui.keys import Area, said
+from fraese.ui.messages import Noted, Refused
+from fraese.ui.programs import Program, in_words
+from fraese.ui.views.view import BUSY, Desk, View
+from fraese.ui.widgets.commands import CommandList
+from fraese.ui.widgets.path import PathView
+from fraese.ui.widgets.position import PositionPanel
+from fraese.ui.widgets.status import JobLine, MessageLine, StatusPanel, WidthBar
+from fraese.ui.widths import FIRST_WIDTH, widths
+
+PICTURES: Final = ("commands", "position", "path")
+#: As many axes as this need more rows than a small terminal has for three.
+_MANY_AXES: Final = 4
+
+
+class MachineView(View):
+    """Position, status, commands and path; jogs, goes, references, zeroes, runs programs."""
+
+    AREA = Area.MACHINE
+    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (140, "-wide")]  # noqa: RUF012
+    VERTICAL_BREAKPOINTS = [(0, "-low"), (28, "-high"), (36, "-higher"), (45, "-tall")]  # noqa: RUF012
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        shape, keys = desk.link.shape, desk.keys
+        self.add_class(PICTURES[0])
+        self.set_class(len(shape.axes) >= _MANY_AXES, "-many")
+        self._choice = widths(shape)
+        self._width = FIRST_WIDTH
+        self._last_go_to: GoTo | None = None
+        self._stopping = False
+        self._status = StatusPanel(desk.machine_name)
+        self._position = PositionPanel(shape)
+        width_keys = [row for row in keys.commands if row.action.startswith("set_width")]
+        self._widths = WidthBar(self._choice, width_keys)
+        self._path = PathView()
+        self._job = JobLine()
+        self._message = MessageLine(id="message")
+
+    def compose(self) -> ComposeResult:
+        """Top to bottom."""
+        yield self._status
+        with Container(id="body"):
+            yield self._position
+            yield self._path
+        yield self._widths
+        yield CommandList(self.desk.keys.listed)
+        yield self._job
+        yield self._message
+        yield Footer(compact=True)
+
+    def on_mount(self) -> None:
+        """What was given at the start."""
+        self._widths.show(self._width, 1)
+        if self.desk.programs.path is not None:
+            self._load(self.desk.programs.path)
+
+    def on_resize(self) -> None:
+        """Gauges and bars are as long as there is room."""
+        self.call_after_refresh(self._show_again)
+
+    # --- what is shown ---------------------------------------------------------------------------
+
+    @property
+    def picture(self) -> str:
+        """One of ``PICTURES``."""
+        return next(name for name in PICTURES if self.has_class(name))
+
+    def show_picture(self, name: str) -> None:
+        """Change to this one."""
+        self.remove_class(*PICTURES)
+        self.add_class(name)
+        # What was hidden has not been kept up to date.
+        self.call_after_refresh(self._show_again)
+
+    def _show_again(self) -> None:
+        self.show(self.state, self._stopping)
+
+    def show(self, state: MachineState, stopping: bool) -> None:
+        """Draw what changed."""
+        self._stopping = stopping
+        self._status.show(state, stopping)
+        self._position.show(state)
+        self._job.show_job(state)
+        if self._path.display:
+            in_program = state.job is not None and state.job.lines > 0
+            self._path.mark(state.job.line if state.job and in_program else 0)
+
+    def say(self, text: str, tone: str = "") -> None:
+        """Put this into the message line."""
+        self._message.show(text, tone)
+
+    def action_picture(self) -> None:
+        """The next of the three."""
+        at = PICTURES.index(self.picture)
+        self.show_picture(PICTURES[(at + 1) % len(PICTURES)])
+
+    def action_scroll_path(self, pages: int) -> None:
+        """Look elsewhere in the program."""
+        self._path.scroll_pages(pages)
+
+    # --- moving ----------------------------------------------------------------------------------
+
+    def action_jog(self, axis: str, sign: int) -> None:
+        """One press."""
+        width_mm = self._choice[self._width].mm
+        factor = self.desk.repeats.factor
+        self._widths.show(self._width, factor)
+        single = Jog(axis, steps=sign * factor)
+        jog = single if width_mm is None else Jog(axis, mm=sign * width_mm)
+        self.expect(self.desk.link.jog(jog))
+
+    def action_width(self, by: int) -> None:
+        """The next width, or the one before."""
+        self.action_set_width((self._width + by) % len(self._choice))
+
+    def action_set_width(self, index: int) -> None:
+        """This width."""
+        self._width = index
+        self._widths.show(index, 1)
+
+    def action_go_to(self) -> None:
+        """Ask where to."""
+        desk = self.desk
+        self.app.push_screen(GoToDialog(desk.keys, desk.link.shape, self._last_go_to), self._go_to)
+
+    def _go_to(self, wanted: GoTo | None) -> None:
+        if wanted is None:
+            return
+        self._last_go_to = wanted
+        taken = self.desk.link.go_to(
+            wanted.target.targets_mm,
+            relative=wanted.counted_from is From.HERE,
+            machine_coordinates=wanted.counted_from is From.MACHINE,
+            feed_mm_min=wanted.target.feed_mm_min,
+        )
+        self.expect(taken)
+
+    def action_reference(self) -> None:
+        """Ask which axes."""
+        desk = self.desk
+        self.app.push_screen(ReferenceDialog(desk.keys, desk.link.shape), self._reference)
+
+    def _reference(self, wanted: Reference | None) -> None:
+        if wanted is not None:
+            self.expect(self.desk.link.reference(wanted.axes, measure=wanted.measure))
+
+    def action_zero(self, axis: str) -> None:
+        """Work zero here, of one axis or (empty) all."""
+        link = self.desk.link
+        self.expect(link.zero((axis,) if axis else link.shape.names))
+
+    # --- end switches ----------------------------------------------------------------------------
+
+    def action_ignore(self) -> None:
+        """Contacts stop the motors, or do not."""
+        self.expect(self.desk.link.ignore_switches(not self.state.switch_ignored))
+
+    def action_switch_test(self) -> None:
+        """Each switch by hand."""
+        desk = self.desk
+        if desk.link.moving:
+            self.refuse(BUSY)
+            return
+        if not desk.link.shape.names_with_switches:
+            self.refuse("No axis of this machine has end switches (axes.NAME.end_switches).")
+            return
+        self.app.push_screen(SwitchPage(desk.keys, desk.link.shape, self.state, desk.hand))
+
+    # --- programs --------------------------------------------------------------------------------
+
+    def action_open(self) -> None:
+        """Ask for a file."""
+        programs = self.desk.programs
+        dialog = OpenDialog(self.desk.keys, programs.folder, str(programs.path or ""))
+        self.app.push_screen(dialog, self._chosen)
+
+    def _chosen(self, path: Path | None) -> None:
+        if path is not None:
+            self._load(path)
+
+    @work(thread=True, exclusive=True, group="program")
+    def _load(self, path: Path) -> None:
+        """Read the file, which may be long, beside everything else."""
+        try:
+            program = self.desk.programs.read(path)
+        except FraeseError as error:
+            self.app.post_message(Refused(str(error)))
+        else:
+            self.app.call_from_thread(self._loaded, path, program)
+
+    def _loaded(self, path: Path, program: Program) -> None:
+        link = self.desk.link
+        if link.moving:
+            self.refuse(BUSY)
+            return
+        self.desk.programs.put(path, program)
+        self._status.show_program(program.name)
+        self._path.load(program.lines)
+        self.show_picture("path")
+        tell = self.app.post_message
+
+        def check(controller: Controller) -> None:
+            facts = program.check(controller)
+            for warning in facts.warnings:
+                tell(Noted(warning, warning=True))
+            tell(Noted(f"{program.name}: {in_words(facts)}. Start it with {said('start')}."))
+
+        self.expect(link.order_of(check, moves=False))
+
+    def action_start(self) -> None:
+        """Run the program."""
+        program = self.desk.programs.program
+        if program is None:
+            self.refuse(f"No program is loaded: open one with {said('open')}.")
+            return
+        self.expect(self.desk.link.order_of(program.start))

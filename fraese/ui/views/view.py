@@ -1,0 +1,156 @@
+"""What all views have in common.
+
+A view is a screen that owns its actions and its widgets. It is one class, one row in the table of
+views, and an area of the key table.
+"""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import Final
+
+from textual.binding import ActiveBinding
+from textual.screen import Screen
+
+from fraese.control.state import MachineState, Status
+from fraese.errors import FraeseError
+from fraese.ui.bindings import bind
+from fraese.ui.dialogs.switches import Hand
+from fraese.ui.keys import Area, KeyTable, said
+from fraese.ui.machinelink import MachineLink
+from fraese.ui.programs import ProgramDesk
+from fraese.ui.themes import DARK, LIGHT
+from fraese.ui.widgets.links import Link
+from fraese.ui.widths import RepeatRule
+
+BUSY: Final = (
+    f"The machine runs: stop it ({said('app.stop_machine')}) or wait for the end of the job;"
+    " nothing was done."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Desk:
+    """What a view works with; the same for all.
+
+    Attributes:
+        link: to the machine.
+        keys: the table of keys.
+        repeats: has seen every key that was pressed.
+        programs: what is loaded.
+        machine_name: such as "simulated mill"; may be empty.
+        hand: presses (True) and lets go of an end switch where the machine is simulated.
+    """
+
+    link: MachineLink
+    keys: KeyTable
+    repeats: RepeatRule
+    programs: ProgramDesk
+    machine_name: str
+    hand: Hand | None
+
+
+class View(Screen[None]):
+    """A screen that shows the machine, with the commands that every view has.
+
+    Args:
+        desk: what it works with.
+    """
+
+    AREA: Area
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__()
+        self.desk = desk
+        self.state = desk.link.state()
+        bind(self, desk.keys.of(Area.VIEWS, self.AREA))
+
+    @property
+    def active_bindings(self) -> dict[str, ActiveBinding]:
+        """In the order of the table, which is the footer's."""
+        found = super().active_bindings
+        order = [key for row in self.desk.keys.rows for key in row.keys.split(",") if key in found]
+        return {key: found[key] for key in dict.fromkeys([*order, *found])}
+
+    def draw(self, state: MachineState, stopping: bool) -> None:
+        """Remember and show how the machine stands.
+
+        Args:
+            state: how it stands.
+            stopping: the operator has pressed stop and it still moves.
+        """
+        self.state = state
+        self.show(state, stopping)
+
+    @abstractmethod
+    def show(self, state: MachineState, stopping: bool) -> None:
+        """Draw what changed."""
+
+    @abstractmethod
+    def say(self, text: str, tone: str = "") -> None:
+        """Put this where the last message stands."""
+
+    def refuse(self, sentence: str) -> None:
+        """Say why something was not done."""
+        self.say(sentence, "-warn")
+        self.notify(sentence, severity="warning", timeout=5, markup=False)
+
+    def note(self, sentence: str, warning: bool = False) -> None:
+        """Say something that is good to know."""
+        self.say(sentence, "-warn" if warning else "")
+        if warning:
+            self.notify(sentence, severity="warning", timeout=8, markup=False)
+
+    def expect(self, taken: bool) -> None:
+        """Say so if an order was not taken."""
+        if not taken:
+            self.refuse(BUSY)
+
+    async def on_link_clicked(self, message: Link.Clicked) -> None:
+        """A click does what a key does, but is none: the repeat rule starts anew."""
+        self.desk.repeats.forget()
+        await self.app.run_action(message.action, self)
+
+    # --- commands of every view ------------------------------------------------------------------
+
+    def action_hold(self) -> None:
+        """Feed hold, or go on."""
+        self.desk.link.hold_or_go_on()
+
+    def action_acknowledge(self) -> None:
+        """Take note of an error."""
+        if self.state.status is Status.ERROR:
+            self.expect(self.desk.link.acknowledge())
+
+    def action_override(self, by_percent: int) -> None:
+        """Feed override up or down, or (0) as programmed."""
+        self.desk.link.override(by_percent)
+
+    def action_log(self) -> None:
+        """Log on or off, also while a job runs."""
+        try:
+            sentence = self.desk.link.switch_log()
+        except FraeseError as error:
+            self.refuse(str(error))
+            return
+        if sentence:
+            self.note(sentence)
+
+    def action_theme(self) -> None:
+        """Dark or light."""
+        self.app.theme = LIGHT.name if self.app.theme == DARK.name else DARK.name
+
+    def action_help(self) -> None:
+        """The keys."""
+        from fraese.ui.dialogs.help import HelpPage
+
+        self.app.push_screen(HelpPage(self.desk.keys))
+
+    def action_leave(self) -> None:
+        """Leave, unless the machine runs."""
+        if self.desk.link.moving:
+            self.refuse(
+                f"The machine runs: stop it first ({said('app.stop_machine')}),"
+                f" or leave at once with {said('app.quit')}."
+            )
+        else:
+            self.app.exit()

@@ -1,0 +1,1 @@
+"""What screens are composed of. A widget shows; what is done, its screen does."""
