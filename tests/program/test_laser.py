@@ -1,0 +1,145 @@
+"""A laser on a free output: off whenever the motors stand, whoever makes the steps.
+
+The pin is looked at where it leaves the computer or the bridge, after every slice of the run loop.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+from fraese.assembly import Plant, assemble, drivers
+from fraese.assembly.simulation import simulated_mill
+from fraese.control.state import Status
+from fraese.motor.bridge import line as serial_line
+from fraese.motor.clock import VirtualClock
+from fraese.motor.core import MotorCore
+from fraese.motor.ports.recorder import Recorder
+from fraese.motor.realtime import child
+from fraese.motor.realtime import driver as realtime
+from fraese.motor.realtime.setup import Setup
+from fraese.motor.seams import CONTROL
+from tests.bridge.device import reason_to_skip
+from tests.bridge.firmwaremill import Chip, ChipLine
+from tests.helpers import configured, merged, program, record, run_program
+
+LASER: dict[str, Any] = {"outputs": {"laser": {"pin": 14}}}
+#: Pin 14 is bit 1 of the control register, inverted on the plug.
+PIN_14 = 0b0010
+TEXT = "G21 G90\nM3 S1000\nG1 X4 F600\nG1 Y3\nM5\nG0 X0\nM2\n"
+
+
+class Bench(NamedTuple):
+    """A machine with a laser, and its pin."""
+
+    plant: Plant
+    is_on: Callable[[], bool]
+
+
+def _last_control(recorder: Recorder) -> bool:
+    written = [access.value for access in recorder.accesses if access.register == CONTROL]
+    return not written[-1] & PIN_14
+
+
+def _simulated(monkeypatch: pytest.MonkeyPatch) -> Bench:
+    made = assemble(configured(**LASER))
+    recorder = record(made)
+    return Bench(made, lambda: _last_control(recorder))
+
+
+def _stepped_by_a_process(monkeypatch: pytest.MonkeyPatch) -> Bench:
+    """The core as the step process makes it from its set-up, here."""
+    config, clock = configured(**merged(LASER, {"port": {"kind": "ppdev"}})), VirtualClock()
+    machine = assemble(config, at_desk=True).controller.machine
+    recorder = Recorder(simulated_mill(config, machine, clock), clock)
+
+    def core(setup: Setup) -> MotorCore:
+        here: Any = clock
+        memory: Any = None
+        return child._core(replace(setup, open_port=lambda: recorder), here, memory)
+
+    monkeypatch.setattr(realtime, "RealtimeDriver", core)
+    _on_metal_in(clock, monkeypatch)
+    return Bench(assemble(config), lambda: _last_control(recorder))
+
+
+def _stepped_by_a_bridge(monkeypatch: pytest.MonkeyPatch) -> Bench:
+    """The real firmware on the other end of the serial line."""
+    if reason := reason_to_skip():
+        pytest.skip(reason)
+    chip = Chip("smc")
+    chip.begin()
+    monkeypatch.setattr(serial_line, "SerialLine", lambda device, baud: ChipLine(chip))
+    _on_metal_in(chip, monkeypatch)
+    bridge = {"port": {"kind": "bridge", "device": "/dev/ttyACM0"}}
+    return Bench(
+        assemble(configured(**merged(LASER, bridge))), lambda: _last_control(chip.twin.port)
+    )
+
+
+def _on_metal_in(clock: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is metal elsewhere is simulated here, and so is its time."""
+    monkeypatch.setattr(drivers, "MonotonicClock", lambda: clock)
+    monkeypatch.setattr(
+        drivers, "on_metal", lambda driver, its_clock: drivers.Made(driver, its_clock, 0.02)
+    )
+
+
+BENCHES = pytest.mark.parametrize(
+    "bench", [_simulated, _stepped_by_a_process, _stepped_by_a_bridge]
+)
+
+
+@BENCHES
+def test_off_while_a_program_is_held_and_on_again_when_it_goes_on(
+    bench: Callable[[pytest.MonkeyPatch], Bench], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    made, is_on = bench(monkeypatch)
+    controller = made.controller
+    seen: list[tuple[bool, bool]] = []
+
+    def look() -> None:
+        seen.append((controller.state().held, is_on()))
+        if len(seen) == 5:
+            controller.hold()
+        if len([held for held, _ in seen if held]) == 3:
+            controller.resume()
+
+    controller.set_break_key(look)
+    assert run_program(made, program(tmp_path, TEXT)) is Status.OK
+    held_from = next(n for n, (held, _) in enumerate(seen) if held)
+    assert seen[4] == (False, True)
+    assert {on for held, on in seen if held} == {False}
+    assert (False, True) in seen[held_from:]
+    assert not is_on()
+
+
+@BENCHES
+@pytest.mark.parametrize("way", ["cancel", "stop"])
+def test_off_after_a_program_was_broken_off_and_not_on_with_the_next_jog(
+    bench: Callable[[pytest.MonkeyPatch], Bench],
+    way: str,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    made, is_on = bench(monkeypatch)
+    controller = made.controller
+    seen: list[bool] = []
+
+    def look() -> None:
+        seen.append(is_on())
+        if len(seen) == 5:
+            getattr(controller, way)()
+
+    controller.set_break_key(look)
+    assert run_program(made, program(tmp_path, TEXT)) is Status.CANCEL
+    assert seen[4]
+    assert not is_on()
+    controller.acknowledge()
+    jogged: list[bool] = []
+    controller.set_break_key(lambda: jogged.append(is_on()))
+    controller.jog("y", 1)
+    assert controller.run() is Status.OK
+    assert set(jogged) == {False}
