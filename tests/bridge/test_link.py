@@ -45,6 +45,23 @@ def test_no_more_than_the_window_is_under_way() -> None:
     assert link.output(1) == b""
 
 
+def test_after_a_loss_less_is_under_way_and_then_more_again() -> None:
+    """A device that is busy with steps is not helped by more to read."""
+    link, model = pair()
+    for _n in range(100):
+        link.command(c.KIND_PING, bytes(10))
+    full = len(link.output(0))
+    halved = link.output(RESEND_NS)
+    assert full / 3 < len(halved) <= full / 2
+    assert link.output(RESEND_NS + 1) == b""
+    link.feed(model.feed(halved), RESEND_NS + MS)
+    longer = link.output(RESEND_NS + MS)
+    assert len(halved) < len(longer) <= full
+    link.feed(model.feed(longer), RESEND_NS + 2 * MS)
+    talk(link, model, RESEND_NS + 2 * MS)
+    assert link.done == 100
+
+
 def test_the_stream_waits_for_room_and_commands_do_not() -> None:
     link, model = pair()
     data = bytes(range(1, 201)) * 3
@@ -165,6 +182,16 @@ def test_an_urgent_is_repeated_until_it_counts() -> None:
     talk(link, model, WISH_NS)
     assert not link.wants(c.URGENT_BRAKE)
     assert not link.output(10 * WISH_NS)
+
+
+def test_an_answer_that_does_not_count_an_urgent_does_not_confirm_it() -> None:
+    link, model = pair()
+    first = link.wish(c.URGENT_STOP, 0)
+    link.feed(model.status(), MS)
+    model.brakes += 1
+    link.feed(model.status(), 2 * MS)
+    assert link.wants(c.URGENT_STOP)
+    assert link.output(WISH_NS) == first
 
 
 def test_a_question_is_repeated_until_it_is_answered() -> None:
