@@ -97,11 +97,6 @@ class Axis:
         return float(position_steps / self.steps_per_mm)
 
     @property
-    def max_mm_s(self) -> float:
-        """Highest speed."""
-        return float(self.max_rate_hz / self.steps_per_mm)
-
-    @property
     def step_mm(self) -> float:
         """The smallest step."""
         return float(1 / self.steps_per_mm)

@@ -1,4 +1,4 @@
-"""The configuration file: found, read, refused in one sentence, written back, explained.
+"""The configuration file: found, read, refused in one sentence, explained.
 
 Rule 1: what is found first is used: the file named by the user, ``fraese.toml`` in the working
         directory, the user's configuration folder, the built-in defaults (a simulated mill).
@@ -132,31 +132,6 @@ def _section_at(location: tuple[int | str, ...]) -> type[Section] | None:
 def schema() -> dict[str, Any]:
     """JSON schema for editors."""
     return Config.model_json_schema()
-
-
-def write_key(path: Path, section: str, key: str, value: Any) -> None:
-    """Change one key in a file, comments kept; the result is checked before it is written.
-
-    Raises:
-        ConfigError: if the file would not be valid afterwards, or cannot be written; it is left as
-            it was.
-    """
-    document = tomlkit.document()
-    if path.is_file():
-        _read(path)
-        document = tomlkit.parse(path.read_text("utf-8"))
-    table: Any = document
-    for part in section.split("."):
-        table = table.setdefault(part, tomlkit.table())
-    table[key] = value
-    text = tomlkit.dumps(document)
-    from_table(tomllib.loads(text, parse_float=Decimal), str(path))
-    try:
-        fresh = path.with_name(f"{path.name}.{os.getpid()}.new")
-        fresh.write_text(text, "utf-8")
-        fresh.replace(path)
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be written: {error.strerror}.") from error
 
 
 def annotated() -> str:

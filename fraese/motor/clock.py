@@ -9,13 +9,6 @@ PacedClock       a virtual clock that keeps step with the wall: for looking at a
 import time
 from typing import Final
 
-#: Tick of the PC's 8253 timer in mode 3 with divisor 256 (seed: FASTTIM), 0.2145524 ms.
-TIMER_8253_HZ: Final = 1_193_182
-TIMER_8253_DIVISOR: Final = 256
-
-#: The step rate that the original called its theoretical ceiling, 4661 Hz.
-TIMER_8253_RATE_HZ: Final = TIMER_8253_HZ / TIMER_8253_DIVISOR
-
 _SPIN_NS: Final = 200_000
 _PACE_NS: Final = 4_000_000
 _CATCH_UP_NS: Final = 100_000_000

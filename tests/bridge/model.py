@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from fraese.motor.bridge import constants as c
-from fraese.motor.bridge.codec import STATUS_LENGTH, Decoder, Frame, Urgent, frame
+from fraese.motor.bridge.codec import Decoder, Frame, Status, Urgent, frame
 
 SESSION = 77
 RING = 300
+STATUS_LENGTH = Status._FORMAT.size
 
 
 @dataclass

@@ -10,7 +10,6 @@ from fraese.blocks import Block, Outputs, Piece, Watch, WatchAction
 from fraese.motor.bridge import constants as c
 from fraese.motor.bridge.cards import CardFacts, card_commands, card_payload
 from fraese.motor.bridge.codec import (
-    STATUS_LENGTH,
     Ack,
     Decoder,
     Frame,
@@ -20,7 +19,6 @@ from fraese.motor.bridge.codec import (
     frame,
     stuffed,
 )
-from fraese.motor.bridge.recordreader import RecordReader
 from fraese.motor.bridge.records import (
     Carried,
     Dry,
@@ -28,6 +26,8 @@ from fraese.motor.bridge.records import (
     effective_jump_q8,
     record,
 )
+from tests.bridge.model import STATUS_LENGTH
+from tests.bridge.recordreader import RecordReader
 
 bytes_ = st.integers(0, 255)
 frames = st.builds(Frame, bytes_, bytes_, st.binary(max_size=c.PAYLOAD_MAX))

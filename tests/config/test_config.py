@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from fraese.assembly import assemble
 from fraese.config import Config
 from fraese.config import file as configuration
-from fraese.config.file import load, write_key
+from fraese.config.file import load
 from fraese.errors import ConfigError
 
 ROOT = Path(__file__).parents[2]
@@ -231,28 +231,6 @@ def test_what_has_no_switches_is_not_in_the_reference_run(tmp_path: Path) -> Non
 def test_decimals_are_read_exactly(tmp_path: Path) -> None:
     config = load(written(tmp_path, "[axes.x]\npitch_mm = 0.1\ngear = 2.5\n"))
     assert config.axes.table["x"].steps_per_unit() == 10_000
-
-
-def test_a_key_is_written_back_with_the_comments_kept(tmp_path: Path) -> None:
-    path = written(tmp_path, "# mine\n[jog]\nmax_mm = 3 # short\n")
-    write_key(path, "jog", "feed_mm_min", 300)
-    write_key(path, "axes.x", "inverted", True)
-    assert path.read_text().startswith("# mine\n[jog]\nmax_mm = 3 # short\n")
-    assert load(path).jog.feed_mm_min == 300
-    assert load(path).axes.table["x"].inverted
-    before = path.read_text()
-    with pytest.raises(ConfigError, match="jog"):
-        write_key(path, "jog", "max_mm", -1)
-    assert path.read_text() == before
-
-
-def test_a_file_that_cannot_be_written_back_is_left_alone(tmp_path: Path) -> None:
-    broken = written(tmp_path, "[jog\n")
-    with pytest.raises(ConfigError, match="not valid TOML"):
-        write_key(broken, "jog", "max_mm", 3)
-    with pytest.raises(ConfigError, match="cannot be written"):
-        write_key(tmp_path / "nowhere" / "fraese.toml", "jog", "max_mm", 3)
-    assert [path.name for path in tmp_path.iterdir()] == ["fraese.toml"]
 
 
 @given(st.text(max_size=60))

@@ -307,7 +307,3 @@ class Status:
             Place(latched_serial, latched_done, latched_moved), contact, oldest,
             late, dry, throttle, errors, brakes, stops, override, tuple(phases), torn,
         )  # fmt: skip
-
-
-#: Length of a STATUS payload.
-STATUS_LENGTH: Final = Status._FORMAT.size

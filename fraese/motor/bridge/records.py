@@ -1,4 +1,4 @@
-"""Blocks as records, the stream that fills the device's ring. ``recordreader.py`` is the way back.
+"""Blocks as records, the stream that fills the device's ring.
 
     record   length | dry point | body
     body     shape | law | (rare) | (count) | steps | limits ... | pieces

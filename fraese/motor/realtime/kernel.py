@@ -65,7 +65,6 @@ class KernelFacts:
         is_virtual: there is a hypervisor that takes time when it likes.
         device_interrupts: how many interrupts of devices each core has served since boot.
         has_logind: somebody can be asked not to let the machine sleep.
-        can_sleep: the kernel knows a way to suspend.
     """
 
     rt_runtime_us: int | None
@@ -83,7 +82,6 @@ class KernelFacts:
     is_virtual: bool
     device_interrupts: tuple[int, ...]
     has_logind: bool
-    can_sleep: bool
 
     @property
     def throttle_share(self) -> float | None:
@@ -129,7 +127,6 @@ def kernel_facts(priority: int, root: Path = _ROOT) -> KernelFacts:
         ),
         device_interrupts=_device_interrupts(root),
         has_logind=all((root / path).exists() for path in _LOGIND),
-        can_sleep=bool(_text(root / "sys/power/state")),
     )
 
 

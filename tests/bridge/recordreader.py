@@ -1,4 +1,4 @@
-"""The stream of records taken apart again: the device's end of it, for whoever writes or tries one.
+"""The stream of records taken apart again: a model of the device's end of it.
 
 What comes back is the block as the device plays it: without weight and tag, its start/stop rate the
 effective one.
