@@ -6,17 +6,20 @@ r"""Arcs as chords: the fewest whose middle is not further from the true arc tha
 
 Rule 1: corners lie on the arc, the last one is the commanded end to the last bit.
 Rule 2: where start and end have not quite the same radius, the radius goes evenly from one to the
-        other; so does the third axis (a helix).
+        other; so do all other axes (a helix, a rotary axis).
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final, NamedTuple
 
-Point = tuple[float, float, float]
+#: A value for every axis of the machine.
+Point = tuple[float, ...]
+#: Numbers of the first and the second axis of a plane: angles count from first to second.
+Plane = tuple[int, int]
 
-#: First, second and third axis of G17, G18 and G19: angles count from first to second.
-PLANES: Final = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
+#: G17, G18 and G19 by their axes.
+_PLANES: Final = {17: "xy", 18: "zx", 19: "yz"}
 
 #: An end that is not further round than this is the start: the same as in LinuxCNC.
 _SAME_RAD: Final = 1e-6
@@ -31,7 +34,7 @@ class ArcShape(NamedTuple):
     Attributes:
         start_mm: where it begins,
         end_mm: and ends.
-        axes: index of the first, second and third axis of its plane.
+        axes: numbers of the first and second axis of its plane.
         centre_mm: in the first and second axis.
         start_radius_mm: distance of the start from the centre,
         end_radius_mm: and of the end.
@@ -41,7 +44,7 @@ class ArcShape(NamedTuple):
 
     start_mm: Point
     end_mm: Point
-    axes: tuple[int, int, int]
+    axes: Plane
     centre_mm: tuple[float, float]
     start_radius_mm: float
     end_radius_mm: float
@@ -53,13 +56,6 @@ class ArcShape(NamedTuple):
         """The greater of both radii."""
         return max(self.start_radius_mm, self.end_radius_mm)
 
-    @property
-    def length_mm(self) -> float:
-        """Length of the path, helix included."""
-        flat_mm = abs(self.sweep_rad) * (self.start_radius_mm + self.end_radius_mm) / 2
-        third = self.axes[2]
-        return math.hypot(flat_mm, self.end_mm[third] - self.start_mm[third])
-
     def chords(self, tolerance_mm: float) -> int:
         """The smallest number of chords that keeps the tolerance."""
         ratio = min(1.0, tolerance_mm / self.radius_mm) if self.radius_mm else 1.0
@@ -70,24 +66,47 @@ class ArcShape(NamedTuple):
     def corners(self, tolerance_mm: float) -> Iterator[Point]:
         """End points of the chords, the last one exactly the end of the arc."""
         count = self.chords(tolerance_mm)
-        first, second, third = self.axes
+        first, second = self.axes
         centre_first, centre_second = self.centre_mm
         growth_mm = self.end_radius_mm - self.start_radius_mm
-        height_mm, climb_mm = self.start_mm[third], self.end_mm[third] - self.start_mm[third]
-        corner = [0.0, 0.0, 0.0]
+        followers = [
+            (axis, start, end - start)
+            for axis, (start, end) in enumerate(zip(self.start_mm, self.end_mm, strict=True))
+            if axis not in self.axes
+        ]
+        corner = list(self.start_mm)
         for k in range(1, count):
             part = k / count
             radius_mm = self.start_radius_mm + growth_mm * part
             angle = self.start_rad + self.sweep_rad * part
             corner[first] = centre_first + radius_mm * math.cos(angle)
             corner[second] = centre_second + radius_mm * math.sin(angle)
-            corner[third] = height_mm + climb_mm * part
-            yield corner[0], corner[1], corner[2]
+            for axis, start, way in followers:
+                corner[axis] = start + way * part
+            yield tuple(corner)
         yield self.end_mm
 
 
+def planes_of(names: Sequence[str]) -> dict[int, Plane]:
+    """The planes in which a machine with these axes can make arcs."""
+    return {
+        code: (names.index(axes[0]), names.index(axes[1]))
+        for code, axes in _PLANES.items()
+        if axes[0] in names and axes[1] in names
+    }
+
+
+#: On a machine of X, Y and Z, in this order.
+PLANES: Final = planes_of("xyz")
+
+
 def arc_shape(
-    start_mm: Point, end_mm: Point, centre_mm: tuple[float, float], plane: int, turns: int
+    start_mm: Point,
+    end_mm: Point,
+    centre_mm: tuple[float, float],
+    plane: int,
+    turns: int,
+    planes: Mapping[int, Plane] = PLANES,
 ) -> ArcShape:
     """The arc between two points.
 
@@ -98,14 +117,14 @@ def arc_shape(
         plane: 17 (XY), 18 (ZX) or 19 (YZ).
         turns: positive counter-clockwise seen from the positive third axis; 1: up to one turn,
             2: one more, and so on.
+        planes: those of the machine.
 
     Raises:
-        ValueError: if the plane is none of the three, or ``turns`` is 0.
+        ValueError: if the machine has no such plane, or ``turns`` is 0.
     """
-    if plane not in PLANES or not turns:
-        raise ValueError("an arc needs plane 17, 18 or 19 and at least one turn")
-    axes = PLANES[plane]
-    first, second, _ = axes
+    if plane not in planes or not turns:
+        raise ValueError("an arc needs plane 17, 18 or 19, both its axes, and at least one turn")
+    axes = first, second = planes[plane]
     from_first, from_second = start_mm[first] - centre_mm[0], start_mm[second] - centre_mm[1]
     to_first, to_second = end_mm[first] - centre_mm[0], end_mm[second] - centre_mm[1]
     start_rad = math.atan2(from_second, from_first)

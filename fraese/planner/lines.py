@@ -16,6 +16,7 @@ from fraese.blocks import (
     rate_q8_from_hz,
 )
 from fraese.machine import Machine, Steps
+from fraese.planner.measure import groups_of, path_length_mm
 from fraese.planner.ramps import trapezoid
 from fraese.planner.segments import start_rate_hz
 from fraese.planner.timing import WEIGHT_PER_MM2
@@ -65,7 +66,7 @@ def line_limits(machine: Machine, delta_steps: Steps) -> LineLimits:
     parts = [(axis, abs(n) / ticks) for axis, n in zip(machine.axes, delta_steps, strict=True) if n]
     return LineLimits(
         ticks=ticks,
-        length_mm=math.hypot(*machine.to_mm(delta_steps)),
+        length_mm=path_length_mm(groups_of(machine), delta_steps, machine.to_mm(delta_steps)),
         start_hz=min(start_rate_hz(axis) / part for axis, part in parts),
         max_hz=min(axis.max_rate_hz / part for axis, part in parts),
         acceleration_hz_s=min(axis.acceleration_hz_s / part for axis, part in parts),
@@ -86,7 +87,7 @@ def plan_line(
     Args:
         machine: limits and conversions.
         delta_steps: signed steps of every axis, in axis directions.
-        feed_mm_min: along the path; None: as fast as the axes can.
+        feed_mm_min: along the path, see ``measure``; None: as fast as the axes can.
         watch: condition while it plays.
         outputs: change of free outputs at the first tick.
         tag: seen in reports.

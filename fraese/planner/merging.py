@@ -10,7 +10,7 @@ each of them than any other program.
 
 from typing import Final
 
-Point = tuple[float, float, float]
+from fraese.planner.arcs import Point
 
 #: Points that one line can replace.
 _LONGEST_CHAIN: Final = 32
@@ -18,6 +18,20 @@ _LONGEST_CHAIN: Final = 32
 
 def distance2_mm2(point: Point, start: Point, end: Point) -> float:
     """Square of the distance of a point from a stretch of straight line."""
+    if len(point) == 3:
+        return _in_space(point, start, end)
+    way = [b - a for a, b in zip(start, end, strict=True)]
+    off = [b - a for a, b in zip(start, point, strict=True)]
+    length2 = sum([mm * mm for mm in way])
+    if length2:
+        along = sum([a * b for a, b in zip(off, way, strict=True)]) / length2
+        along = 0.0 if along < 0 else min(along, 1.0)
+        off = [a - along * b for a, b in zip(off, way, strict=True)]
+    return sum([mm * mm for mm in off])
+
+
+def _in_space(point: Point, start: Point, end: Point) -> float:
+    """The same written out for three axes, what most machines have."""
     x, y, z = end[0] - start[0], end[1] - start[1], end[2] - start[2]
     px, py, pz = point[0] - start[0], point[1] - start[1], point[2] - start[2]
     length2 = x * x + y * y + z * z
@@ -38,7 +52,7 @@ class Chain:
     """
 
     def __init__(self) -> None:
-        self._anchor: Point = (0.0, 0.0, 0.0)
+        self._anchor: Point = ()
         self._between: list[Point] = []
         self.end: Point | None = None
         self.feed_mm_s = 0.0

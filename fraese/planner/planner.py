@@ -18,11 +18,12 @@ from typing import Final
 
 from fraese.blocks import Q8, Block, Outputs, Watch, dwell
 from fraese.machine import Machine, Steps
-from fraese.planner.arcs import Point, arc_shape
+from fraese.planner.arcs import Point, arc_shape, planes_of
 from fraese.planner.lookahead import Window
+from fraese.planner.measure import GROUPS
 from fraese.planner.merging import Chain
 from fraese.planner.options import Options, PathMode
-from fraese.planner.segments import UNLIMITED, Limits
+from fraese.planner.segments import UNLIMITED, limits_of
 from fraese.planner.targets import Targets
 from fraese.planner.timing import BlockMaker
 
@@ -37,13 +38,10 @@ class Planner:
     """Look-ahead planning of a stream of moves.
 
     Args:
-        machine: conversions and limits; three axes.
+        machine: conversions and limits, of any number of axes; points have a value for each.
         start_steps: where the axes are, in axis steps.
         options: what can be chosen.
         slack_steps: of each axis' backlash, see ``backlash``; None: nil.
-
-    Raises:
-        ValueError: if the machine has not three axes.
     """
 
     def __init__(
@@ -55,12 +53,15 @@ class Planner:
     ) -> None:
         self._machine = machine
         self._options = options
-        self._limits = Limits(machine, options.rate_factor)
+        self._limits = limits_of(machine, options.rate_factor)
+        self._planes = planes_of(machine.names)
+        # Points are merged while no other axis moves.
+        self._followers = [n for n, name in enumerate(machine.names) if name not in GROUPS[0]]
         self._maker = BlockMaker(machine)
         self._exact_stop = False
         self._tolerance_mm = 0.0
         self._override = 1.0
-        self._begin_at(start_steps, slack_steps or (0, 0, 0))
+        self._begin_at(start_steps, slack_steps or (0,) * len(machine.axes))
 
     def _begin_at(self, position_steps: Steps, slack_steps: Steps) -> None:
         options = self._options
@@ -78,8 +79,7 @@ class Planner:
         self._targets.exact_stop = self._exact_stop
         self._targets.override = self._override
         self._chain = Chain()
-        x_mm, y_mm, z_mm = self._machine.to_mm(position_steps)
-        self._target_mm = x_mm, y_mm, z_mm
+        self._target_mm = self._machine.to_mm(position_steps)
 
     # --- where it is ---------------------------------------------------------------------------
 
@@ -105,19 +105,23 @@ class Planner:
 
         Args:
             to_mm: target in machine coordinates.
-            feed_mm_min: speed along the path; None: as fast as the axes can.
+            feed_mm_min: speed along the path, see ``measure``; None: as fast as the axes can.
             tag: seen in reports.
 
         Raises:
             ValueError: if the feed is not positive.
         """
         feed_mm_s = self._begin(feed_mm_min)
-        if self._tolerance_mm and feed_mm_min is not None:
+        if self._tolerance_mm and feed_mm_min is not None and not self._follows(to_mm):
             return self._merge(to_mm, feed_mm_s, tag)
         held = self._end_chain()
         if held is not None:
             return self._line_after(held, to_mm, feed_mm_s, tag)
         return self._line(to_mm, feed_mm_s, tag)
+
+    def _follows(self, to_mm: Point) -> bool:
+        """An axis moves that is not measured in space."""
+        return any(to_mm[axis] != self._target_mm[axis] for axis in self._followers)
 
     def _line(self, to_mm: Point, feed_mm_s: float, tag: int) -> Iterable[Block]:
         parts = self._targets.go(to_mm, feed_mm_s, UNLIMITED, tag)
@@ -158,26 +162,22 @@ class Planner:
         Args:
             to_mm: end in machine coordinates.
             centre_mm: in the first and second axis of the plane: XY, ZX or YZ.
-            plane: 17, 18 or 19.
+            plane: 17, 18 or 19; all axes outside it go along evenly.
             turns: signed, positive counter-clockwise seen from the positive third axis.
             feed_mm_min: speed along the path.
             tag: seen in reports.
 
         Raises:
-            ValueError: if the feed is not positive, the plane unknown or ``turns`` 0.
+            ValueError: if the feed is not positive, ``turns`` is 0, or the machine has no such
+                plane.
         """
         feed_mm_s = self._begin(feed_mm_min)
-        shape = arc_shape(self._target_mm, to_mm, centre_mm, plane, turns)
+        shape = arc_shape(self._target_mm, to_mm, centre_mm, plane, turns, self._planes)
         self._target_mm = to_mm
         self._targets.streaming = True
-        first, second, _ = shape.axes
-        axes = self._machine.axes
-        inward_mm_s2 = min(
-            axes[i].acceleration_hz_s / float(axes[i].steps_per_mm) for i in (first, second)
-        )
-        rest_mm_s = min(
-            axes[i].start_rate_hz / float(axes[i].steps_per_mm) for i in (first, second)
-        )
+        axes = [self._machine.axes[axis] for axis in shape.axes]
+        inward_mm_s2 = min(axis.acceleration_hz_s / float(axis.steps_per_mm) for axis in axes)
+        rest_mm_s = min(axis.start_rate_hz / float(axis.steps_per_mm) for axis in axes)
         curve_mm_s = max(rest_mm_s, (inward_mm_s2 * shape.radius_mm) ** 0.5)
         return self._walk(
             shape.corners(self._options.chord_tolerance_mm), feed_mm_s, curve_mm_s, tag
@@ -220,7 +220,10 @@ class Planner:
         Raises:
             ValueError: if the duration is negative.
         """
-        blocks = [*self.drain(), dwell(3, duration_s, tag)._replace(outputs=self._targets.outputs)]
+        blocks = [
+            *self.drain(),
+            dwell(len(self._machine.axes), duration_s, tag)._replace(outputs=self._targets.outputs),
+        ]
         self._targets.outputs = None
         if duration_s >= max(2 / axis.start_rate_hz for axis in self._machine.axes):
             self._window.stand()
@@ -273,7 +276,7 @@ class Planner:
         """The same at the end of a program; outputs that wait for a move do not wait longer."""
         blocks = list(self.drain())
         if self._targets.outputs is not None:
-            blocks.append(dwell(3, 0)._replace(outputs=self._targets.outputs))
+            blocks.append(dwell(len(self._machine.axes), 0)._replace(outputs=self._targets.outputs))
             self._targets.outputs = None
         self._window.stand()
         return blocks

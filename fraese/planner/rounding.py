@@ -6,10 +6,10 @@ below a thousand million steps, so only what falls that close to a boundary need
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final
 
-from fraese.machine import Axis
+from fraese.machine import Axis, Steps
 
 _MARGIN_STEPS: Final = 1e-6
 _REST_STEPS: Final = 1 - _MARGIN_STEPS
@@ -36,3 +36,17 @@ def rounder(axis: Axis) -> Callable[[float], int]:
         return exactly(position_mm)
 
     return to_steps
+
+
+def point_rounder(axes: Sequence[Axis]) -> Callable[[tuple[float, ...]], Steps]:
+    """The same for points; written out for three axes, what most machines have."""
+    rounders = [rounder(axis) for axis in axes]
+    if len(rounders) != 3:
+        return lambda point: tuple([each(mm) for each, mm in zip(rounders, point, strict=True)])
+    to_x, to_y, to_z = rounders
+
+    def three_to_steps(point: tuple[float, ...]) -> Steps:
+        x_mm, y_mm, z_mm = point
+        return to_x(x_mm), to_y(y_mm), to_z(z_mm)
+
+    return three_to_steps

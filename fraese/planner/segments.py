@@ -14,15 +14,21 @@ Rule 3: along many short segments the path turns all the time, and the sum of ha
         length, times speed squared. Directions are those before rounding to steps, so that a
         straight line in small pieces stays straight; and a speed at which every axis is within
         its start/stop rate is always allowed.
-Rule 4: the rate of a tick is that of its middle. The law begins and ends at s - a / (2 s) ticks/s,
+Rule 4: where the meaning of the path changes, from mm to degrees, the speed at the corner is one
+        number on both sides all the same: so rule 2 holds for the rates that are really played,
+        and energies of neighbouring blocks still compare. It costs time at such corners only.
+Rule 5: the rate of a tick is that of its middle. The law begins and ends at s - a / (2 s) ticks/s,
         so that the first tick from rest and the last one have the start/stop rate s.
 """
 
 import math
+from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from fraese.blocks import Outputs, Watch
-from fraese.machine import Axis, Machine
+from fraese.machine import Axis, Machine, Steps
+from fraese.planner.arcs import Point
+from fraese.planner.measure import groups_of, path_length_mm
 
 UNLIMITED: Final = math.inf
 #: A change of direction below this is none.
@@ -38,13 +44,9 @@ class Segment(NamedTuple):
     Attributes:
         steps: signed axis steps; for a segment that takes up backlash those of the motors.
         ticks: steps of the leading axis.
-        length_mm: way of the steps.
-        share_x: signed steps of an axis per mm of path,
-        share_y: for every axis,
-        share_z: after rounding.
-        course_x: the direction before rounding,
-        course_y: as a unit vector,
-        course_z: for all three axes.
+        length_mm: way of the steps, along the axes that a feed counts along, see ``measure``.
+        shares: signed steps of every axis per mm of path, after rounding.
+        course: way of every axis per mm of path, before rounding; mostly a unit vector.
         top_mm_s: never faster.
         feed_mm_s: wanted, before override; infinite for a rapid.
         start_mm_s: speed at which every axis is at or below its start/stop rate.
@@ -55,15 +57,11 @@ class Segment(NamedTuple):
         tag: for reports.
     """
 
-    steps: tuple[int, int, int]
+    steps: Steps
     ticks: int
     length_mm: float
-    share_x: float
-    share_y: float
-    share_z: float
-    course_x: float
-    course_y: float
-    course_z: float
+    shares: tuple[float, ...]
+    course: tuple[float, ...]
     top_mm_s: float
     feed_mm_s: float
     start_mm_s: float
@@ -72,10 +70,6 @@ class Segment(NamedTuple):
     outputs: Outputs | None
     watch: Watch | None
     tag: int
-
-    def shares(self) -> tuple[float, float, float]:
-        """Signed steps per mm of path, of all axes."""
-        return self.share_x, self.share_y, self.share_z
 
 
 def start_rate_hz(axis: Axis) -> float:
@@ -90,18 +84,16 @@ def start_rate_hz(axis: Axis) -> float:
 class Limits:
     """The machine's limits, turned round so that the hot path multiplies.
 
-    Args:
-        machine: a machine of three axes.
-        rate_factor: part of the highest rates that may be used (a machine not referenced).
+    For any number of axes. ``limits_of`` gives the same, written out, for three linear ones.
 
-    Raises:
-        ValueError: if the machine has not three axes.
+    Args:
+        machine: limits per axis.
+        rate_factor: part of the highest rates that may be used (a machine not referenced).
     """
 
     def __init__(self, machine: Machine, rate_factor: float = 1.0) -> None:
-        if len(machine.axes) != 3:
-            raise ValueError("the look-ahead plans three axes")
         axes = machine.axes
+        self._groups = groups_of(machine)
         self._mm = tuple(axis.step_mm for axis in axes)
         self._per_rate = tuple(1 / (axis.max_rate_hz * rate_factor) for axis in axes)
         self._per_start = tuple(1 / start_rate_hz(axis) for axis in axes)
@@ -113,8 +105,8 @@ class Limits:
 
     def segment(
         self,
-        steps: tuple[int, int, int],
-        way_mm: tuple[float, float, float] | None,
+        steps: Steps,
+        way_mm: Point | None,
         feed_mm_s: float,
         top_mm_s: float,
         outputs: Outputs | None,
@@ -132,11 +124,91 @@ class Limits:
             tag: for reports.
             watch: condition while it plays.
         """
+        counts = [abs(n) for n in steps]
+        ticks = max(counts)
+        steps_mm = [n * mm for n, mm in zip(steps, self._mm, strict=True)]
+        wanted_mm = steps_mm if way_mm is None else way_mm
+        length_mm = path_length_mm(self._groups, steps, steps_mm, way_mm)
+        per_mm = 1 / (path_length_mm(self._groups, steps, wanted_mm) or length_mm)
+        limit_mm_s = length_mm / _most(counts, self._per_rate)
+        start_mm_s = length_mm / _most(counts, self._per_start)
+        accel_mm_s2 = length_mm / _most(counts, self._per_acceleration)
+        return Segment(
+            steps,
+            ticks,
+            length_mm,
+            tuple([n / length_mm for n in steps]),
+            tuple([mm * per_mm for mm in wanted_mm]),
+            min(limit_mm_s, top_mm_s),
+            feed_mm_s,
+            start_mm_s,
+            start_mm_s - accel_mm_s2 * length_mm / (2 * ticks * start_mm_s),
+            accel_mm_s2 * 2,
+            outputs,
+            watch,
+            tag,
+        )
+
+    def corner_mm2_s2(self, before: Segment, after: Segment) -> float:
+        """Square of the highest speed at the corner between two segments."""
+        jump = _turn(before.shares, after.shares, self._per_start)
+        bend = _turn(before.course, after.course, self._per_turn)
+        return _corner_mm2_s2(jump, bend, before, after)
+
+    def restart_mm_s(self, before: Segment | None, exit_mm_s: float, after: Segment) -> float:
+        """Highest speed to enter a segment when the one before ends at a speed of its own.
+
+        That one ends within the start/stop rates. Each axis may go on from there by its start/stop
+        rate; where one turns round this can mean starting from nothing.
+
+        Args:
+            before: None: from standstill.
+            exit_mm_s: its last speed, at most ``before.start_mm_s``.
+            after: the one that begins.
+        """
+        fastest = min(after.rest_mm_s, after.top_mm_s)
+        if before is None:
+            return fastest
+        for per_start, was, now in zip(self._per_start, before.shares, after.shares, strict=True):
+            if now:
+                left_hz = 1 / per_start + math.copysign(was * exit_mm_s, was * now)
+                fastest = min(fastest, max(0.0, left_hz / abs(now)))
+        return fastest
+
+    def outside_bands_mm_s(self, segment: Segment, speed_mm_s: float) -> float:
+        """The speed, or the next lower one at which no axis is within a band to avoid."""
+        tried = -1.0
+        while tried != speed_mm_s:
+            tried = speed_mm_s
+            for share, bands in zip(segment.shares, self._bands, strict=True):
+                for low_hz, high_hz in bands:
+                    if low_hz < abs(share) * speed_mm_s * (1 - 1e-9) < high_hz:
+                        speed_mm_s = low_hz / abs(share)
+        return speed_mm_s
+
+
+class ThreeLinear(Limits):
+    """The same, written out for three axes that are measured together: what most machines are.
+
+    It gives the very numbers of ``Limits``, in a third of the time.
+    """
+
+    def segment(
+        self,
+        steps: Steps,
+        way_mm: Point | None,
+        feed_mm_s: float,
+        top_mm_s: float,
+        outputs: Outputs | None,
+        tag: int,
+        watch: Watch | None = None,
+    ) -> Segment:
+        """See ``Limits.segment``."""
         x, y, z = steps
         mm_x, mm_y, mm_z = self._mm
         dx, dy, dz = x * mm_x, y * mm_y, z * mm_z
         length_mm = _sqrt(dx * dx + dy * dy + dz * dz)
-        share_x, share_y, share_z = x / length_mm, y / length_mm, z / length_mm
+        shares = x / length_mm, y / length_mm, z / length_mm
         if way_mm is not None:
             dx, dy, dz = way_mm
         per_mm = 1 / (_sqrt(dx * dx + dy * dy + dz * dz) or length_mm)
@@ -158,12 +230,8 @@ class Limits:
                 steps,
                 ticks,
                 length_mm,
-                share_x,
-                share_y,
-                share_z,
-                dx * per_mm,
-                dy * per_mm,
-                dz * per_mm,
+                shares,
+                (dx * per_mm, dy * per_mm, dz * per_mm),
                 limit_mm_s if limit_mm_s < top_mm_s else top_mm_s,
                 feed_mm_s,
                 start_mm_s,
@@ -177,56 +245,41 @@ class Limits:
         return segment
 
     def corner_mm2_s2(self, before: Segment, after: Segment) -> float:
-        """Square of the highest speed at the corner between two segments."""
+        """See ``Limits.corner_mm2_s2``."""
+        x, y, z = before.shares
+        u, v, w = after.shares
         a, b, c = self._per_start
-        turn = max(
-            abs(after.share_x - before.share_x) * a,
-            abs(after.share_y - before.share_y) * b,
-            abs(after.share_z - before.share_z) * c,
-        )
-        limit = 1 / (turn * turn) if turn > _STRAIGHT else UNLIMITED
+        jump = max(abs(u - x) * a, abs(v - y) * b, abs(w - z) * c)
+        x, y, z = before.course
+        u, v, w = after.course
         a, b, c = self._per_turn
-        turn = max(
-            abs(after.course_x - before.course_x) * a,
-            abs(after.course_y - before.course_y) * b,
-            abs(after.course_z - before.course_z) * c,
-        )
-        if turn > _STRAIGHT:
-            curve = (before.length_mm + after.length_mm) / (2 * turn)
-            if curve < limit:
-                slow = min(before.start_mm_s, after.start_mm_s)
-                limit = min(limit, max(curve, slow * slow))
-        return limit
+        bend = max(abs(u - x) * a, abs(v - y) * b, abs(w - z) * c)
+        return _corner_mm2_s2(jump, bend, before, after)
 
-    def restart_mm_s(self, before: Segment | None, exit_mm_s: float, after: Segment) -> float:
-        """Highest speed to enter a segment when the one before ends at a speed of its own.
 
-        That one ends within the start/stop rates. Each axis may go on from there by its start/stop
-        rate; where one turns round this can mean starting from nothing.
+def limits_of(machine: Machine, rate_factor: float = 1.0) -> Limits:
+    """The limits of a machine, in the form that is quickest for it."""
+    groups = groups_of(machine)
+    is_usual = len(machine.axes) == 3 and len(groups) == 1
+    return (ThreeLinear if is_usual else Limits)(machine, rate_factor)
 
-        Args:
-            before: None: from standstill.
-            exit_mm_s: its last speed, at most ``before.start_mm_s``.
-            after: the one that begins.
-        """
-        fastest = min(after.rest_mm_s, after.top_mm_s)
-        if before is None:
-            return fastest
-        for per_start, was, now in zip(
-            self._per_start, before.shares(), after.shares(), strict=True
-        ):
-            if now:
-                left_hz = 1 / per_start + math.copysign(was * exit_mm_s, was * now)
-                fastest = min(fastest, max(0.0, left_hz / abs(now)))
-        return fastest
 
-    def outside_bands_mm_s(self, segment: Segment, speed_mm_s: float) -> float:
-        """The speed, or the next lower one at which no axis is within a band to avoid."""
-        tried = -1.0
-        while tried != speed_mm_s:
-            tried = speed_mm_s
-            for share, bands in zip(segment.shares(), self._bands, strict=True):
-                for low_hz, high_hz in bands:
-                    if low_hz < abs(share) * speed_mm_s * (1 - 1e-9) < high_hz:
-                        speed_mm_s = low_hz / abs(share)
-        return speed_mm_s
+def _most(counts: Sequence[int], per_limit: Sequence[float]) -> float:
+    return max([n * each for n, each in zip(counts, per_limit, strict=True)])
+
+
+def _turn(before: Sequence[float], after: Sequence[float], weights: Sequence[float]) -> float:
+    """The greatest change of any axis, in its own measure."""
+    changes = [abs(b - a) * each for a, b, each in zip(before, after, weights, strict=True)]
+    return max(changes)
+
+
+def _corner_mm2_s2(jump: float, bend: float, before: Segment, after: Segment) -> float:
+    """Rules 2 and 3: what the sudden and the steady change of direction allow."""
+    limit = 1 / (jump * jump) if jump > _STRAIGHT else UNLIMITED
+    if bend > _STRAIGHT:
+        curve = (before.length_mm + after.length_mm) / (2 * bend)
+        if curve < limit:
+            slow = min(before.start_mm_s, after.start_mm_s)
+            limit = min(limit, max(curve, slow * slow))
+    return limit

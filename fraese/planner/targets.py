@@ -12,13 +12,14 @@ Rule 3: a long move is cut in step space, each cut the step nearest to the line.
 
 import math
 from collections.abc import Iterator
+from operator import sub
 
 from fraese.blocks import Block, Outputs, Watch
 from fraese.machine import Machine, Steps
 from fraese.planner.arcs import Point
 from fraese.planner.backlash import followed, take_up
 from fraese.planner.lookahead import Window
-from fraese.planner.rounding import rounder
+from fraese.planner.rounding import point_rounder
 from fraese.planner.segments import UNLIMITED, Limits, Segment
 
 
@@ -54,7 +55,8 @@ class Targets:
         self._limits = limits
         self._window = window
         self._max_block_s = max_block_s
-        self._to_x, self._to_y, self._to_z = (rounder(axis) for axis in machine.axes)
+        self._to_steps = point_rounder(machine.axes)
+        self._are_three = len(machine.axes) == 3
         self._backlash_steps = tuple(axis.backlash_steps for axis in machine.axes)
         self._has_backlash = any(self._backlash_steps)
         self._reached_mm = machine.to_mm(position_steps)
@@ -85,15 +87,21 @@ class Targets:
         Returns:
             For a long move its blocks, to be taken before anything else is planned; else None.
         """
-        x_mm, y_mm, z_mm = to_mm
-        to_x, to_y, to_z = self._to_x(x_mm), self._to_y(y_mm), self._to_z(z_mm)
-        at_x, at_y, at_z = self.reached_steps
-        steps = to_x - at_x, to_y - at_y, to_z - at_z
-        if steps == (0, 0, 0):
+        there = self._to_steps(to_mm)
+        at = self.reached_steps
+        if there == at:
             return None
-        from_x, from_y, from_z = self._reached_mm
-        way_mm = x_mm - from_x, y_mm - from_y, z_mm - from_z
-        self.reached_steps = to_x, to_y, to_z
+        if self._are_three:
+            # What most machines have, and every line of a program comes by: written out.
+            x, y, z = there
+            u, v, w = at
+            steps: Steps = (x - u, y - v, z - w)
+            x_mm, y_mm, z_mm = to_mm
+            u_mm, v_mm, w_mm = self._reached_mm
+            way_mm: Point = (x_mm - u_mm, y_mm - v_mm, z_mm - w_mm)
+        else:
+            steps, way_mm = tuple(map(sub, there, at)), tuple(map(sub, to_mm, self._reached_mm))
+        self.reached_steps = there
         self._reached_mm = to_mm
         if self._has_backlash:
             self._take_up(steps, tag, watch)
@@ -110,12 +118,13 @@ class Targets:
         return None
 
     def _in_parts(self, whole: Segment, way_mm: Point, parts: int) -> Iterator[Block]:
-        done = (0, 0, 0)
+        done: Steps = (0,) * len(whole.steps)
         exact_stop, outputs, window = self.exact_stop, whole.outputs, self._window
+        way_mm = tuple([mm / parts for mm in way_mm])
         for part in range(1, parts + 1):
-            x, y, z = ((2 * n * part + parts) // (2 * parts) for n in whole.steps)
-            steps = x - done[0], y - done[1], z - done[2]
-            done = x, y, z
+            there = tuple([(2 * n * part + parts) // (2 * parts) for n in whole.steps])
+            steps = tuple(map(sub, there, done))
+            done = there
             segment = self._limits.segment(
                 steps, way_mm, whole.feed_mm_s, whole.top_mm_s, outputs, whole.tag
             )
@@ -125,12 +134,11 @@ class Targets:
                 yield from window.settle()
         self.streaming = False
 
-    def _take_up(self, steps: tuple[int, int, int], tag: int, watch: Watch | None) -> None:
+    def _take_up(self, steps: Steps, tag: int, watch: Watch | None) -> None:
         """Before axes turn round, the steps that only their motors make."""
         slack, backlash = self.slack_steps, self._backlash_steps
-        x, y, z = map(take_up, slack, backlash, steps)
-        extra = (x, y, z)
-        if extra != (0, 0, 0):
+        extra = tuple(map(take_up, slack, backlash, steps))
+        if any(extra):
             segment = self._limits.segment(extra, None, UNLIMITED, UNLIMITED, None, tag, watch)
             self._window.append(segment, self.exact_stop)
             self.slack_steps = tuple(

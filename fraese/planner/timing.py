@@ -5,6 +5,7 @@ along the path become those of the leader by one factor.
 """
 
 import math
+from operator import mul
 from typing import Final
 
 from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece, few_bits
@@ -32,7 +33,7 @@ class BlockMaker:
 
     def __init__(self, machine: Machine) -> None:
         self._signs = tuple(axis.motor_sign for axis in machine.axes)
-        self._straight = self._signs == (1, 1, 1)
+        self._straight = all(sign == 1 for sign in self._signs)
         #: Feed override that segments are planned with, 256 for 100 %; 0: none acts.
         self.override_q8 = Q8
 
@@ -66,8 +67,7 @@ class BlockMaker:
             )
         steps = segment.steps
         if not self._straight:
-            x, y, z = self._signs
-            steps = steps[0] * x, steps[1] * y, steps[2] * z
+            steps = tuple(map(mul, steps, self._signs))
         block: Block = _new(
             Block,
             (

@@ -18,7 +18,8 @@ TURNS = st.sampled_from([1, -1, 2, -3])
 
 def on_circle(plane: int, radius: float, angle: float, height: float) -> Point:
     point = [0.0, 0.0, 0.0]
-    first, second, third = PLANES[plane]
+    first, second = PLANES[plane]
+    third = 3 - first - second
     point[first], point[second] = radius * math.cos(angle), radius * math.sin(angle)
     point[third] = height
     return point[0], point[1], point[2]
@@ -31,7 +32,8 @@ def test_chords_stay_within_the_tolerance_and_are_as_few_as_can_be(
     start, to = on_circle(plane, radius, begin, 0.0), on_circle(plane, radius, end, climb)
     shape = arc_shape(start, to, (0.0, 0.0), plane, turns)
     corners = np.array([start, *shape.corners(TOLERANCE_MM)])
-    first, second, third = PLANES[plane]
+    first, second = PLANES[plane]
+    third = 3 - first - second
     flat = corners[:, [first, second]]
     assert np.allclose(np.hypot(*flat.T), radius, rtol=1e-9)
     middle = (flat[1:] + flat[:-1]) / 2
@@ -102,7 +104,7 @@ def test_planned_arcs_keep_limits_end_exactly_and_stay_near_the_circle(
     moved = [b - a for a, b in zip(axes.to_steps(start), axes.to_steps(to), strict=True)]
     assert total_steps(blocks) == tuple(s * n for s, n in zip(signs, moved, strict=True))
     at = np.array(axes.to_steps(start)) + np.cumsum([b.steps for b in blocks], axis=0) * signs
-    first, second, _ = PLANES[plane]
+    first, second = PLANES[plane]
     step_mm = np.array([axis.step_mm for axis in axes.axes])
     off = np.hypot(*(at * step_mm)[:, [first, second]].T) - radius
     assert np.abs(off).max() <= math.hypot(step_mm[first], step_mm[second])
