@@ -58,7 +58,9 @@ def duration_s(blocks: Iterable[Block]) -> float:
     return sum(block.duration_cycles() for block in blocks) / CYCLES_PER_S
 
 
-def run(planner: Planner, points: Iterable[Point], feed_mm_min: float | None) -> list[Block]:
+def run(
+    planner: Planner, points: Iterable[tuple[float, ...]], feed_mm_min: float | None
+) -> list[Block]:
     """Straight lines through all points, to the end."""
     blocks: list[Block] = []
     for tag, point in enumerate(points):

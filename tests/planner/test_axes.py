@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -127,7 +128,7 @@ def test_a_dwell_is_one_of_all_axes() -> None:
 
 # --- any machine -------------------------------------------------------------------------------
 
-_AXIS = st.fixed_dictionaries(
+_AXIS: st.SearchStrategy[dict[str, Any]] = st.fixed_dictionaries(
     {
         "steps_per_mm": st.fractions(1, 2000, max_denominator=40),
         "motor_sign": st.sampled_from((1, -1)),

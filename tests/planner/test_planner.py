@@ -122,7 +122,7 @@ def test_a_straight_line_in_small_pieces_is_as_fast_as_in_one() -> None:
     end = (60.0, 37.0, 11.0)
     whole = duration_s(run(planner(axes), [end], 900.0))
     pieces = [tuple(k / 400 * a for a in end) for k in range(1, 401)]
-    cut = duration_s(run(planner(axes), pieces, 900.0))  # type: ignore[arg-type]
+    cut = duration_s(run(planner(axes), pieces, 900.0))
     assert cut == pytest.approx(whole, rel=0.01)
 
 
