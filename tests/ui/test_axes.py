@@ -187,6 +187,6 @@ def test_steps_are_called_what_they_are() -> None:
             await b.press("v")
             await b.pilot.pause(0.1)
             assert b.text("#axis-x .count") == "0 pulses"
-            assert "1 pulse" in str(b.view.query("#widths .link").first().render())  # type: ignore[attr-defined]
+            assert "1 pulse" in str(b.view.query("#widths .link").first().render())
 
     play(scene)
