@@ -99,12 +99,13 @@ class Runner:
             job: what to do.
             detour: where to go while it is held; None: stay.
         """
+        # Before the first word about this job to the driver: an order that comes from now on counts.
+        self._cancel = self._stop = self._held = self._resume = self._answered = False
         self._queue.begin()
         self._aside = Aside(self._driver, self._queue, detour) if detour is not None else None
         self._job = job
         self._begun = False
         self.failure = None
-        self._cancel = self._stop = self._held = self._resume = self._answered = False
 
     def activate(self) -> Status:
         """One round: feed the queue, play a slice, see how it stands (ActivateMotoren)."""

@@ -186,3 +186,36 @@ def test_the_position_is_the_carriages_always(
         assert_true(made, start)
         made.press("ymax", False)
         controller.idle(1.0)
+
+
+@pytest.mark.parametrize("order", ["hold", "cancel", "stop"])
+def test_an_order_that_comes_while_a_job_starts_counts_for_it(order: str) -> None:
+    """Neither is it lost, nor do the motors stand braked with nobody to lift it."""
+    made = plant()
+    controller = made.controller
+    driver: Any = controller._driver
+    flush = driver.flush
+
+    def flush_with_an_order() -> None:
+        flush()
+        getattr(controller, order)()
+        driver.flush = flush
+
+    driver.flush = flush_with_an_order
+    before = carriages(made)
+    controller.jog("x", 5)
+    seen: list[tuple[float, ...]] = []
+
+    def break_key() -> None:
+        seen.append(carriages(made))
+        if len(seen) == 10:
+            controller.resume()
+
+    controller.set_break_key(break_key)
+    if order == "hold":
+        assert controller.run() is Status.OK
+        assert set(seen[:10]) == {before}
+        assert controller.state().position_mm[0] == 5
+    else:
+        assert controller.run() is Status.CANCEL
+        assert carriages(made) == before

@@ -116,9 +116,13 @@ class Bench:
         await self.wait(lambda: not self.app.busy and self.app.machine_state == controller.state())
         await self.pilot.pause()
 
-    async def long_move(self, mm: float = LONG_MOVE_MM) -> None:
-        """X sets out on a way of twenty minutes, or a shorter one, and has reached its speed."""
-        self.app.link.order(lambda: self.plant.controller.move_to({"x": mm}))
+    async def long_move(self) -> None:
+        """X sets out on a way of twenty minutes, and has reached its speed.
+
+        A way of some seconds would be over before a look at it, on a machine that is busy with
+        something else.
+        """
+        self.app.link.order(lambda: self.plant.controller.move_to({"x": LONG_MOVE_MM}))
         await self.wait(lambda: self.plant.controller.state().speed_mm_min > 1100)
 
     async def jog(self, *keys: str) -> None:

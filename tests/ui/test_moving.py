@@ -213,15 +213,20 @@ def test_second_stop_is_without_ramp() -> None:
 def test_hold_and_go_on() -> None:
     async def scene() -> None:
         async with bench(clock="paced") as b:
-            await b.long_move(60.0)
+            await b.long_move()
             await b.press("space")
             await b.wait(lambda: b.text("#word") == "HOLD")
             stood = b.moved_steps
             await b.pilot.pause(0.1)
             assert b.moved_steps == stood
             await b.press("space")
+            await b.wait(lambda: b.moved_steps > stood)
+            b.app.action_stop_machine()
             await b.settled()
-            assert b.moved_steps == (12000, 0, 0)
+            # Nothing was lost or counted twice on the way: there is where X 5 is.
+            b.app.link.order(lambda: b.plant.controller.move_to({"x": 5}))
+            await b.settled()
+            assert b.moved_steps == (1000, 0, 0)
             assert b.mill.look().lost_steps == (0, 0, 0)
 
     play(scene)
@@ -231,7 +236,7 @@ def test_hold_and_stop_count_for_one_job_only() -> None:
     async def scene() -> None:
         async with bench(clock="paced") as b:
             controller = b.plant.controller
-            await b.long_move(10.0)
+            await b.long_move()
             b.view.action_hold()
             b.app.action_stop_machine()
             await b.wait(lambda: not b.app.busy)
