@@ -59,12 +59,15 @@ class Controller:
         self._driver = driver
         self.override = 1.0
         self.position = Position(machine)
-        self._queue = MotionQueue(driver, self.position)
-        self.switches = EndSwitches(config, self.position, self._queue, driver)
+        self.switches = EndSwitches(config, self.position, driver)
+        self._queue = MotionQueue(driver, self.position, self.switches)
+        # The first words with the driver; until here nobody has spoken to it.
+        self._queue.open()
+        self.switches.open()
+        self._queue.look_around(config.switches.readings)
         self._loop = RunLoop(
             config, driver, clock, self._queue, self.position, self.switches, slice_s
         )
-        self._queue.look_around(config.switches.readings)
         # The run loop's own methods, under the controller's name.
         self.set_display = self._loop.set_display
         self.set_show_pos = self._loop.set_show_pos
@@ -317,6 +320,7 @@ class Controller:
             parameters=self.position.offsets.parameters,
             referenced=self.position.referenced,
             phases=self._queue.report.phases,
+            ends=self.switches.names(),
         )
 
     def take_up(self, kept: SavedState) -> None:
@@ -324,6 +328,7 @@ class Controller:
         self.position.take_up(
             kept.position_steps, kept.slack_steps, kept.referenced, kept.parameters
         )
+        self.switches.take_up(kept.ends)
         self._queue.poll()
 
     def state(self) -> MachineState:

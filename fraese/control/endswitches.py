@@ -10,18 +10,20 @@ Rule 1: an end that a referenced position excludes is none. If that leaves nothi
 Rule 2: on a closed switch nothing moves but a jog away from it, a reference run, and what the
         operator lets through by ignoring switches.
 Rule 3: a probe without a pin of its own shares the end switches' input.
+Rule 4: a contact that lasts from one command to the next is the same contact: what was known of it
+        is kept, and counts until the input opens. A driver that has just begun knows nothing of it.
 """
 
+from collections.abc import Sequence
 from typing import Final
 
 from fraese.blocks import Watch, WatchAction
 from fraese.config import Config
 from fraese.config.wiring import ProbeConfig, SwitchesConfig
-from fraese.control.motionqueue import MotionQueue
 from fraese.control.position import Position
 from fraese.errors import StateError, SwitchAlarm
 from fraese.motor.pins import STATUS_PINS
-from fraese.motor.seams import End, StepDriver, SwitchMode
+from fraese.motor.seams import End, Report, StepDriver, SwitchMode
 
 
 def contact_bits(switches: SwitchesConfig) -> tuple[int, int]:
@@ -46,22 +48,35 @@ class EndSwitches:
     Args:
         config: pins and levels.
         position: what is known of the position.
-        queue: the inputs, as last read.
         driver: told whether a contact stops the motors.
+
+    Attributes:
+        pin: the input, a DB25 pin.
     """
 
-    def __init__(
-        self, config: Config, position: Position, queue: MotionQueue, driver: StepDriver
-    ) -> None:
+    #: The inputs, as last read.
+    _report: Report
+
+    def __init__(self, config: Config, position: Position, driver: StepDriver) -> None:
         self._contact = contact_bits(config.switches)
         self._probe = _probe_bits(config.probe, config.switches)
         self._reach_mm = 2 * config.homing.pull_off_mm
         self._machine = position.machine
         self._position = position
-        self._queue = queue
         self._driver = driver
+        self._ignored = config.switches.mode == "ignore"
+        self._kept: frozenset[End] = frozenset()
         self.pin: Final = config.switches.pin
-        self.ignore(config.switches.mode == "ignore")
+
+    def open(self) -> None:
+        """The first word to the driver: whether a contact stops the motors."""
+        self.ignore(self._ignored)
+
+    def see(self, report: Report) -> None:
+        """Take a report; every one of the driver's comes by here."""
+        self._report = report
+        if not report.switch_closed:
+            self._kept = frozenset()
 
     # --- the inputs ----------------------------------------------------------------------------
 
@@ -77,12 +92,12 @@ class EndSwitches:
     def probe_closed(self) -> bool:
         """Whether the probe touches, as last read."""
         mask, touching = self._probe
-        return self._queue.report.inputs & mask == touching
+        return self._report.inputs & mask == touching
 
     @property
     def closed(self) -> bool:
         """Contact, as last read."""
-        return self._queue.report.switch_closed
+        return self._report.switch_closed
 
     @property
     def ignored(self) -> bool:
@@ -96,22 +111,28 @@ class EndSwitches:
 
     # --- which end -----------------------------------------------------------------------------
 
-    def ends(self) -> frozenset[End]:
-        """Ends that the present contact may be, in axis directions. From any thread."""
+    def ends(self, *, kept: bool = True) -> frozenset[End]:
+        """Ends that the present contact may be, in axis directions. From any thread.
+
+        Args:
+            kept: believe what was known when the last command ended.
+        """
         axes = self._machine.axes
         candidates = frozenset(
-            End(end.motor, end.sign * axes[end.motor].motor_sign)
-            for end in self._queue.report.candidates
+            End(end.motor, end.sign * axes[end.motor].motor_sign) for end in self._report.candidates
         )
         if not candidates:
             return candidates
-        near = frozenset(
-            end
-            for motor in range(len(axes))
-            for end in (End(motor, -1), End(motor, 1))
-            if self._is_near(end)
-        )
-        return candidates & near or near or candidates
+        every = self._every()
+        near = frozenset(end for end in every if self._is_near(end))
+        ends = candidates & near or near or candidates
+        # That it may be any end is no news.
+        is_kept = kept and candidates == every
+        return ends & self._kept or ends if is_kept else ends
+
+    def _every(self) -> frozenset[End]:
+        motors = range(len(self._machine.axes))
+        return frozenset(End(motor, sign) for motor in motors for sign in (-1, 1))
 
     def _is_near(self, end: End) -> bool:
         if not self._position.referenced[end.motor]:
@@ -128,6 +149,10 @@ class EndSwitches:
     def names(self) -> tuple[str, ...]:
         """Names of the ends that the present contact may be."""
         return tuple(self.name(end) for end in sorted(self.ends()))
+
+    def take_up(self, names: Sequence[str]) -> None:
+        """The contact may be one of these ends: so it was known when the last command ended."""
+        self._kept = frozenset(end for end in self._every() if self.name(end) in names)
 
     def motor_end(self, name: str) -> End:
         """The end of that name as the driver counts it, in motor direction.

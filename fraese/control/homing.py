@@ -65,7 +65,10 @@ class Homing:
         """
         report = yield STANDSTILL
         if report.switch_closed:
-            yield from self._free(self._order(self._switches.ends(), axes))
+            ends = self._switches.ends()
+            # Since the last command somebody may have moved a carriage by hand.
+            others = self._switches.ends(kept=False) - ends
+            yield from self._free(self._order(ends, axes) + self._order(others, axes))
         said = []
         for name in axes:
             said.append((yield from self._reference(name)))

@@ -16,6 +16,7 @@ from collections.abc import Iterable
 from typing import Final, NamedTuple
 
 from fraese.blocks import Block, remainder
+from fraese.control.endswitches import EndSwitches
 from fraese.control.position import Position
 from fraese.motor.seams import Report, StepDriver
 from fraese.planner.lines import mm_per_tick, planned_s
@@ -40,6 +41,7 @@ class MotionQueue:
     Args:
         driver: what plays the blocks.
         position: told what was played.
+        switches: told what was read.
 
     Attributes:
         report: the driver's last word.
@@ -48,15 +50,23 @@ class MotionQueue:
         is_fresh: nothing was pushed since that report.
     """
 
-    def __init__(self, driver: StepDriver, position: Position) -> None:
+    report: Report
+
+    def __init__(self, driver: StepDriver, position: Position, switches: EndSwitches) -> None:
         self._driver = driver
         self._position = position
-        self.report: Report = driver.poll(0)
-        position.count_from(self.report.position_steps)
+        self._switches = switches
         self.blocks = self.finished = 0
         self.is_fresh = True
         self._queue: deque[_Queued] = deque()
         self._mm_per_tick = 0.0
+        self._finished_before = self._serial_at_start = 0
+
+    def open(self) -> None:
+        """The first word with the driver: what it counted and played so far was before our time."""
+        self.report = self._driver.poll(0)
+        self._switches.see(self.report)
+        self._position.count_from(self.report.position_steps)
         self._finished_before = self.report.finished
         self._serial_at_start = self.report.playing
 
@@ -118,6 +128,7 @@ class MotionQueue:
         """Let the driver play for so long, and see what it did."""
         self.report = self._driver.poll(slice_s)
         self.is_fresh = True
+        self._switches.see(self.report)
         self._position.lose_reference(self.report.torn)
         self._forget_played()
         return self.report

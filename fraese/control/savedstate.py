@@ -28,6 +28,7 @@ class SavedState(BaseModel):
         parameters: persistent parameters of the language, work offsets among them.
         referenced: per axis.
         phases: phase index per motor.
+        ends: which ends the contact may be; none: there was no contact.
         simulation: what the simulated mill needs to be found as it was left.
         axes: what gives the steps of each axis their meaning; configured otherwise, they have none.
         moving: written before motion, cleared after it.
@@ -40,6 +41,7 @@ class SavedState(BaseModel):
     parameters: dict[int, float]
     referenced: tuple[bool, ...]
     phases: tuple[int, ...]
+    ends: tuple[str, ...] = ()
     simulation: tuple[tuple[float, float, float, float], ...] = ()
     axes: tuple[str, ...] = ()
     moving: bool = False
@@ -93,7 +95,8 @@ class StateFile:
                 " --fresh."
             )
         if kept.moving:
-            return kept.model_copy(update={"referenced": (False,) * axes})
+            # Nor what was known of a contact before it moved.
+            return kept.model_copy(update={"referenced": (False,) * axes, "ends": ()})
         return kept
 
     def save(self, kept: SavedState) -> None:

@@ -240,3 +240,20 @@ def test_a_note_to_nobody_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr("sys.stderr", Gone())
     note("hello")
+
+
+def test_after_an_alarm_the_next_command_jogs_away_from_it(tmp_path: Path) -> None:
+    """Nothing is referenced, and every command is a process of its own."""
+    (tmp_path / "fraese.toml").write_text(
+        "".join(f"[axes.{name}]\ntravel_mm = 12\n" for name in "xyz"), "utf-8"
+    )
+    alarm = fraese(tmp_path, "jog", "y", -11)
+    assert alarm.returncode == 1
+    assert "End switch ymin closed" in alarm.stderr
+    refused = fraese(tmp_path, "jog", "y", -1)
+    assert refused.returncode == 2
+    assert "End switch ymin is closed" in refused.stderr
+    away = fraese(tmp_path, "jog", "y", 1, "--json")
+    assert away.returncode == 0, away.stderr
+    assert json.loads(away.stdout)["steps"]["y"] == 200
+    assert fraese(tmp_path, "jog", "x", 1).returncode == 0

@@ -8,7 +8,7 @@ import pytest
 
 from fraese.assembly import Plant, assemble
 from fraese.control.state import Status
-from fraese.errors import ConfigError
+from fraese.errors import ConfigError, StateError
 from tests.helpers import STEPDIR, carriages, configured, look, merged
 
 
@@ -170,3 +170,79 @@ def test_a_carriage_left_on_its_switch_is_found_there(tmp_path: Path) -> None:
     assert again.controller.state().switch_closed
     again.controller.home()
     assert again.controller.run() is Status.OK
+
+
+@pytest.mark.parametrize("axis", "xyz")
+@pytest.mark.parametrize("way", [1, -1])
+def test_an_alarm_is_known_to_the_next_command(tmp_path: Path, axis: str, way: int) -> None:
+    """Nothing is referenced: only the contact itself tells which end it was."""
+    sections = {"axes": {name: {"travel_mm": 12} for name in "xyz"}}
+    made = machine(tmp_path, **sections)
+    made.controller.jog(axis, 11 * way)
+    assert made.controller.run() is Status.ERROR
+    end = axis + ("max" if way > 0 else "min")
+    assert made.controller.state().ends == (end,)
+    made.close()
+    # A command that moves nothing passes it on.
+    machine(tmp_path, **sections).close()
+    made = machine(tmp_path, **sections)
+    before = carriages(made)
+    assert made.controller.state().ends == (end,)
+    with pytest.raises(StateError, match=f"End switch {end} is closed"):
+        made.controller.jog(axis, way)
+    other = "y" if axis == "x" else "x"
+    with pytest.raises(StateError, match="is closed"):
+        made.controller.jog(other, 1)
+    made.controller.jog(axis, -way)
+    assert made.controller.run() is Status.OK
+    index = "xyz".index(axis)
+    assert carriages(made)[index] == before[index] - 200 * way
+    assert made.controller.state().ends == ()
+
+
+def test_a_contact_that_opened_is_forgotten(tmp_path: Path) -> None:
+    sections = {"axes": {name: {"travel_mm": 12} for name in "xyz"}}
+    made = machine(tmp_path, **sections)
+    made.controller.jog("x", 11)
+    assert made.controller.run() is Status.ERROR
+    made.close()
+    made = machine(tmp_path, **sections)
+    made.controller.jog("x", -3)
+    assert made.controller.run() is Status.OK
+    # A hand at some switch: nobody knows which.
+    made.press("ymin", True)
+    for _ in range(3):
+        made.controller.idle(1.0)
+    assert len(made.controller.state().ends) == 6
+    made.close()
+    made = machine(tmp_path, **sections)
+    assert made.controller.state().ends == ()
+
+
+def test_after_a_crash_a_contact_may_be_any(tmp_path: Path) -> None:
+    sections = {"axes": {name: {"travel_mm": 12} for name in "xyz"}}
+    made = machine(tmp_path, **sections)
+    made.controller.jog("x", 11)
+    assert made.controller.run() is Status.ERROR
+    made.save(moving=True)
+    assert len(machine(tmp_path, **sections).controller.state().ends) == 6
+
+
+def test_a_contact_that_is_not_where_it_was_known_does_not_hinder_a_reference_run(
+    tmp_path: Path,
+) -> None:
+    """Somebody moved the carriages by hand in between."""
+    sections = {"axes": {name: {"travel_mm": 12} for name in "xyz"}}
+    made = machine(tmp_path, **sections)
+    made.controller.jog("x", 11)
+    assert made.controller.run() is Status.ERROR
+    made.close()
+    values = kept(tmp_path)
+    values["simulation"][0][0] = 1200.0
+    values["simulation"][1][0] = 0.0
+    (tmp_path / "state.json").write_text(json.dumps(values))
+    made = machine(tmp_path, **sections)
+    assert made.controller.state().ends == ("xmax",)
+    made.controller.home()
+    assert made.controller.run() is Status.OK, made.controller.state().message
+    assert made.controller.state().referenced == (True, True, True)
