@@ -98,7 +98,8 @@ class Session:
         where = " ".join(
             f"{name.upper()} {mm:.3f}" for name, mm in zip(state.axes, state.work_mm, strict=True)
         )
-        print(f"{word}: {where} mm")
+        in_force = state.work.words()
+        print(f"{word}: {where} mm" + (f" ({in_force})" if in_force else ""))
 
     def _result(self, word: str, state: MachineState) -> dict[str, Any]:
         def by_axis(values: tuple[Any, ...]) -> dict[str, Any]:
@@ -111,6 +112,13 @@ class Session:
             "position_mm": by_axis(state.position_mm),
             "position_steps": by_axis(state.position_steps),
             "work_mm": by_axis(state.work_mm),
+            "work": {
+                "system": state.work.system,
+                "rotation_deg": state.work.rotation_deg,
+                "g92": state.work.g92,
+                "tool": state.work.tool,
+                "tool_length_mm": state.work.tool_length_mm,
+            },
             "referenced": by_axis(state.referenced),
             "steps": by_axis(self._controller.travelled_steps()),
             "duration_s": round(duration_ns / 1e9, 6),

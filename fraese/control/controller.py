@@ -19,7 +19,7 @@ from fraese.control.motionqueue import MotionQueue
 from fraese.control.position import Position
 from fraese.control.runloop import RunLoop
 from fraese.control.savedstate import SavedState
-from fraese.control.state import MachineState, Status
+from fraese.control.state import MachineState, Status, WorkFacts
 from fraese.errors import FraeseError, LimitError
 from fraese.log import LogFile, logged
 from fraese.machine import Machine, Steps
@@ -182,20 +182,14 @@ class Controller:
             LimitError: if the target is outside the travel.
             StateError: if the machine is not ready.
         """
-        where = self.position
-        target = list(where.position_steps)
         for name, value_mm in targets_mm.items():
-            motor = self.machine.index(name)
-            axis = self.machine.axes[motor]
-            softlimits.require_finite(axis, value_mm)
-            if relative:
-                value_mm += axis.to_mm(where.position_steps[motor])
-            elif not machine_coordinates:
-                value_mm += where.offset_mm[motor]
-            target[motor] = axis.to_steps(value_mm)
+            softlimits.require_finite(self.machine.axes[self.machine.index(name)], value_mm)
         softlimits.require_feed(feed_mm_min)
-        self.check_moves([tuple(target)])
-        self.start("move", lines.line_to(where, tuple(target), feed_mm_min))
+        target = self.position.to_steps(
+            targets_mm, relative=relative, machine_coordinates=machine_coordinates
+        )
+        self.check_moves([target])
+        self.start("move", lines.line_to(self.position, target, feed_mm_min))
 
     @logged
     def run_curve(
@@ -207,10 +201,8 @@ class Controller:
             LimitError: if a point is outside the travel; nothing has moved then.
             StateError: if the machine is not ready.
         """
-        offset_mm = self.position.offset_mm
-        machine_mm = [
-            [mm + by for mm, by in zip(point_mm, offset_mm, strict=True)] for point_mm in points_mm
-        ]
+        frame = self.position.frame
+        machine_mm = [frame.to_machine(tuple(point_mm)) for point_mm in points_mm]
         self.drive_points("curve", machine_mm, feed_mm_min)
 
     @logged
@@ -235,8 +227,7 @@ class Controller:
             StateError: while the machine runs.
         """
         self._loop.require_not_running()
-        for name in axes:
-            self.position.set_zero(name, value_mm)
+        self.position.set_zero(tuple(axes), value_mm)
 
     @logged
     def ignore_switches(self, ignore: bool) -> None:
@@ -335,7 +326,7 @@ class Controller:
         """Everything that can be shown, as it is now. From any thread."""
         report, where, axes = self._queue.report, self.position, self.machine.axes
         loop = self._loop
-        position_steps, offset_mm = where.position_steps, where.offset_mm
+        position_steps, frame = where.position_steps, where.frame
         position_mm = self.machine.to_mm(position_steps)
         return MachineState(
             status=loop.status,
@@ -343,8 +334,9 @@ class Controller:
             axes=tuple(axis.name for axis in axes),
             position_steps=position_steps,
             position_mm=position_mm,
-            work_mm=tuple(mm - offset for mm, offset in zip(position_mm, offset_mm, strict=True)),
-            offset_mm=offset_mm,
+            work_mm=frame.to_work(position_mm),
+            offset_mm=frame.origin,
+            work=WorkFacts.of(frame, where.offsets.tool),
             referenced=where.referenced,
             low_mm=tuple(axis.low_mm for axis in axes),
             high_mm=tuple(axis.high_mm for axis in axes),

@@ -11,12 +11,13 @@ Rule 4: an axis is referenced from ``set_reference`` until something shakes it: 
         at speed, or a new reference run.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from fraese.control.workoffsets import WorkOffsets
 from fraese.machine import Machine, Steps
 from fraese.motor.seams import Report
 from fraese.planner.backlash import Carriages
+from fraese.workframe import WorkFrame
 
 
 class Position:
@@ -37,7 +38,7 @@ class Position:
         self.machine = machine
         self.position_steps: Steps = (0,) * axes
         self.referenced = (False,) * axes
-        self.offsets = WorkOffsets(axes)
+        self.offsets = WorkOffsets("".join(axis.name for axis in machine.axes))
         self._carriages = Carriages(machine, self.position_steps)
         # Motor steps that the carriages have been told of.
         self._told_steps = self.position_steps
@@ -132,12 +133,39 @@ class Position:
     # --- work offsets --------------------------------------------------------------------------
 
     @property
-    def offset_mm(self) -> tuple[float, ...]:
-        """Where the work zero lies, in machine coordinates."""
-        return self.offsets.offset_mm()
+    def frame(self) -> WorkFrame:
+        """Where the work lies."""
+        return self.offsets.frame
 
-    def set_zero(self, name: str, value_mm: float) -> None:
-        """Let the present position of an axis have this work coordinate."""
-        motor = self.machine.index(name)
-        at_mm = self.machine.axes[motor].to_mm(self.position_steps[motor])
-        self.offsets.set_zero(motor, at_mm, value_mm)
+    def set_zero(self, axes: Collection[str], value_mm: float) -> None:
+        """Let the present position of some axes have this work coordinate."""
+        self.offsets.set_zero(axes, self.machine.to_mm(self.position_steps), value_mm)
+
+    def to_steps(
+        self, targets_mm: Mapping[str, float], *, relative: bool, machine_coordinates: bool
+    ) -> Steps:
+        """Where a straight line of some axes leads; the others stay where they are.
+
+        Args:
+            targets_mm: by axis name, in work coordinates.
+            relative: as distances from here, along the axes of the work, instead.
+            machine_coordinates: from machine zero instead.
+        """
+        names = [axis.name for axis in self.machine.axes]
+        here_mm = self.machine.to_mm(self.position_steps)
+        moved = frozenset(targets_mm)
+        if relative:
+            way_mm = self.frame.turned(tuple(targets_mm.get(name, 0.0) for name in names))
+            to_mm = tuple(at + by for at, by in zip(here_mm, way_mm, strict=True))
+        elif machine_coordinates:
+            to_mm = tuple(targets_mm.get(name, 0.0) for name in names)
+        else:
+            work_mm = self.frame.to_work(here_mm)
+            wanted = zip(names, work_mm, strict=True)
+            to_mm = self.frame.to_machine(tuple(targets_mm.get(name, at) for name, at in wanted))
+        if not machine_coordinates:
+            moved = self.frame.moved_with(targets_mm)
+        return tuple(
+            axis.to_steps(mm) if axis.name in moved else here
+            for axis, mm, here in zip(self.machine.axes, to_mm, self.position_steps, strict=True)
+        )

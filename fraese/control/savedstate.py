@@ -13,8 +13,8 @@ from typing import Final
 
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
-from fraese.control.workoffsets import ACTIVE_SYSTEM
 from fraese.errors import ConfigError
+from fraese.workframe import ACTIVE_SYSTEM, SYSTEMS
 
 STATE_FILE: Final = "state.json"
 
@@ -49,7 +49,7 @@ class SavedState(BaseModel):
     @field_validator("parameters")
     @classmethod
     def _a_system(cls, value: dict[int, float]) -> dict[int, float]:
-        if value.get(ACTIVE_SYSTEM, 1) not in range(1, 10):
+        if value.get(ACTIVE_SYSTEM, 1) not in range(1, len(SYSTEMS) + 1):
             raise ValueError("no such work offset")
         return value
 

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Sequence
 from fraese.control.position import Position
 from fraese.errors import LimitError
 from fraese.machine import Axis, Machine, Steps
+from fraese.workframe import WorkFrame
 
 
 def require_reachable(position: Position, targets: Iterable[Steps]) -> None:
@@ -29,7 +30,7 @@ def require_reachable(position: Position, targets: Iterable[Steps]) -> None:
             if position.referenced[motor]:
                 low, high = limits_steps(position, motor)
                 if not low <= there <= high:
-                    raise LimitError(_outside(axis, there, position.offset_mm[motor]))
+                    raise LimitError(_outside(axis, there, position.frame))
             elif abs(there - here) > axis.travel_mm * axis.steps_per_mm:
                 raise LimitError(
                     f"{axis.name.upper()} would move"
@@ -68,10 +69,13 @@ def outside_travel(axis: Axis, value_mm: float) -> str:
     )
 
 
-def _outside(axis: Axis, target_steps: int, offset_mm: float) -> str:
+def _outside(axis: Axis, target_steps: int, frame: WorkFrame) -> str:
+    offset_mm = frame.origin[frame.axes.index(axis.name)]
+    # A turned axis has no travel of its own: it depends on where the other one stands.
+    own = frame.moved_with(axis.name) == {axis.name}
     work = (
         f" (work {axis.low_mm - offset_mm:.3f} to {axis.high_mm - offset_mm:.3f})"
-        if offset_mm
+        if offset_mm and own
         else ""
     )
     return f"{outside_travel(axis, axis.to_mm(target_steps))}{work}."

@@ -3,6 +3,8 @@
 from dataclasses import dataclass, field
 from enum import Enum
 
+from fraese.workframe import SYSTEMS, WorkFrame
+
 
 class Status(Enum):
     """Where the controller is (seed: CNC_OK, CNC_RUN, CNC_CANCEL; and an error)."""
@@ -35,6 +37,52 @@ class JobProgress:
 
 
 @dataclass(frozen=True, slots=True)
+class WorkFacts:
+    """What makes work coordinates of machine coordinates, where the motors are.
+
+    Attributes:
+        system: name of the work offset in force.
+        g92: whether a shift by G92 or G52 is in force.
+        rotation_deg: of X and Y about Z.
+        tool: number of the tool in the spindle; 0: none, or not known.
+        tool_offset_mm: in force, in the order of the axes; Z is the tool's length.
+        tool_length_mm: that of Z; 0 without such an axis.
+    """
+
+    system: str = SYSTEMS[0]
+    g92: bool = False
+    rotation_deg: float = 0.0
+    tool: int = 0
+    tool_offset_mm: tuple[float, ...] = ()
+    tool_length_mm: float = 0.0
+
+    @classmethod
+    def of(cls, frame: WorkFrame, tool: int) -> "WorkFacts":
+        """Of a frame and the tool in the spindle."""
+        return cls(
+            system=SYSTEMS[frame.system - 1],
+            g92=any(frame.g92),
+            rotation_deg=frame.rotation_deg if frame.is_rotated else 0.0,
+            tool=tool,
+            tool_offset_mm=frame.tool,
+            tool_length_mm=frame.tool[frame.axes.index("z")] if "z" in frame.axes else 0.0,
+        )
+
+    def words(self) -> str:
+        """What is not plain G54, for people; else empty."""
+        said = [self.system] if self.system != SYSTEMS[0] else []
+        if self.rotation_deg:
+            said.append(f"rotated by {self.rotation_deg:g} degrees")
+        if self.g92:
+            said.append("G92")
+        if self.tool:
+            said.append(f"tool {self.tool}")
+        if any(self.tool_offset_mm):
+            said.append(f"tool length {self.tool_length_mm:g} mm")
+        return ", ".join(said)
+
+
+@dataclass(frozen=True, slots=True)
 class MachineState:
     """Everything that can be shown, as it was at one moment.
 
@@ -44,8 +92,9 @@ class MachineState:
         axes: names, in the order of all tuples here.
         position_steps: machine position.
         position_mm: the same, in mm.
-        work_mm: seen from the work zero.
-        offset_mm: where the work zero lies.
+        work_mm: work coordinates, with everything that ``work`` says.
+        offset_mm: where the work zero lies, machine coordinates.
+        work: what is in force.
         referenced: per axis.
         low_mm: soft limits; they count for a referenced axis.
         high_mm: likewise.
@@ -89,3 +138,4 @@ class MachineState:
     dry_queues: int = 0
     question: str = ""
     override: float = 1.0
+    work: WorkFacts = WorkFacts()

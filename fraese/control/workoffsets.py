@@ -1,56 +1,82 @@
-"""Work offsets, as the language numbers them, so that panel and program share one set.
+"""Where the work lies for panel and commands: what a program left, or what holds while it runs.
 
-    machine = work + offset of the active system + G92, where that is on
-
-Parameters (RS-274/NGC): 5220 active system, 5221.. 5241.. ... 5381.. offsets of G54 to G59.3,
-5210 G92 on, 5211.. its offset, 5161.. and 5181.. the positions of G28 and G30. Lengths in mm.
+Rule 1: the parameters are those of the language, so that panel and program share one set.
+Rule 2: while a program runs the interpreter is ahead of the motors: what is in force where they
+        are is asked of whoever follows it (``follow``).
+Rule 3: what others read is replaced whole, so that it may be read from any thread.
 """
 
-from collections.abc import Mapping
-from typing import Final
+from collections.abc import Callable, Iterable, Mapping
 
-ACTIVE_SYSTEM: Final = 5220
-FIRST_SYSTEM: Final = 5221
-SYSTEM_STRIDE: Final = 20
-G92_ON: Final = 5210
-G92_FIRST: Final = 5211
+from fraese.workframe import (
+    TOOL_NUMBER,
+    Point,
+    WorkFrame,
+    first_of_system,
+    numbers,
+)
+
+#: Persistent parameters and the frame in force with them.
+InForce = tuple[Mapping[int, float], WorkFrame]
 
 
 class WorkOffsets:
-    """The persistent parameters of the language, and what they mean for the position.
+    """The persistent parameters of the language, and the frame that they make.
 
-    Attributes:
-        parameters: by number; a program that ends leaves new ones.
+    Args:
+        axes: letters, in machine order.
     """
 
-    def __init__(self, axes: int) -> None:
+    def __init__(self, axes: str) -> None:
         self._axes = axes
-        self.parameters: dict[int, float] = {}
+        self._kept: InForce = {}, WorkFrame.of({}, axes)
+        self._followed: Callable[[], InForce] | None = None
 
     def replace(self, parameters: Mapping[int, float]) -> None:
         """Take up what a program left, or what was kept."""
-        self.parameters = dict(parameters)
+        self._followed = None
+        self._kept = dict(parameters), WorkFrame.of(parameters, self._axes)
+
+    def follow(self, in_force: Callable[[], InForce]) -> None:
+        """A program runs: ask there, from any thread, until ``replace``."""
+        self._followed = in_force
+
+    def _in_force(self) -> InForce:
+        followed = self._followed
+        return self._kept if followed is None else followed()
 
     @property
-    def system(self) -> int:
-        """1 for G54 to 9 for G59.3."""
-        return int(self.parameters.get(ACTIVE_SYSTEM, 1))
+    def parameters(self) -> dict[int, float]:
+        """By number."""
+        return dict(self._in_force()[0])
 
-    def _system_key(self, index: int) -> int:
-        return FIRST_SYSTEM + SYSTEM_STRIDE * (self.system - 1) + index
+    @property
+    def frame(self) -> WorkFrame:
+        """Where the work lies."""
+        return self._in_force()[1]
 
-    def _g92_mm(self, index: int) -> float:
-        if not self.parameters.get(G92_ON):
-            return 0.0
-        return self.parameters.get(G92_FIRST + index, 0.0)
+    @property
+    def tool(self) -> int:
+        """Number of the tool in the spindle; 0: none, or not known."""
+        return int(self._in_force()[0].get(TOOL_NUMBER, 0.0))
 
-    def offset_mm(self) -> tuple[float, ...]:
-        """Where the work zero lies, in machine coordinates."""
-        return tuple(
-            self.parameters.get(self._system_key(index), 0.0) + self._g92_mm(index)
-            for index in range(self._axes)
-        )
+    def set_zero(self, axes: Iterable[str], machine_mm: Point, work_mm: float) -> None:
+        """Let a machine position have this work coordinate on some axes, in the active system.
 
-    def set_zero(self, index: int, machine_mm: float, work_mm: float) -> None:
-        """Let a machine position have this work coordinate, in the active system."""
-        self.parameters[self._system_key(index)] = machine_mm - work_mm - self._g92_mm(index)
+        As G10 L20 has it: of a rotated system both X and Y are stored anew, so that the other one
+        still reads as before.
+        """
+        frame = self.frame
+        wanted = [
+            work_mm if letter in axes else old
+            for letter, old in zip(self._axes, frame.to_work(machine_mm), strict=True)
+        ]
+        offset = frame.offset_for(machine_mm, tuple(wanted))
+        places = numbers(first_of_system(frame.system), self._axes)
+        moved = frame.moved_with(axes)
+        changes = {
+            place: value
+            for place, value, letter in zip(places, offset, self._axes, strict=True)
+            if letter in moved
+        }
+        self.replace({**self.parameters, **changes})

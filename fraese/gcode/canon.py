@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal
 
-Point = tuple[float, float, float]
+from fraese.workframe import Point
+
 Plane = Literal[17, 18, 19]
 
 # The two axes of a plane, in right-handed order, and the third axis it turns about.

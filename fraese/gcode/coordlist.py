@@ -16,12 +16,11 @@ from collections.abc import Iterable, Iterator
 from typing import Final
 
 from fraese.errors import ProgramError
-from fraese.gcode.canon import End, Feed, Move, Point
+from fraese.gcode.canon import End, Feed, Move
 from fraese.gcode.expressions import MAX_VALUE
-from fraese.gcode.offsets import Coordinates
-from fraese.gcode.parameters import Parameters
 from fraese.gcode.setup import Setup
 from fraese.gcode.text import MAX_LINE
+from fraese.workframe import Point, WorkFrame
 
 UNITS_MM: Final = {"mm": 1.0, "millimetre": 1.0, "millimeter": 1.0, "inch": 25.4, "in": 25.4}
 COLUMNS: Final = ("x", "y", "z", "feed")
@@ -76,8 +75,8 @@ class _Reader:
     """What holds from line to line."""
 
     def __init__(self, setup: Setup, unit: str, feed_mm_min: float) -> None:
-        self._coordinates = Coordinates(Parameters(setup.parameters))
-        self._at: Point = self._coordinates.to_program(setup.position_mm)
+        self._frame = WorkFrame.of(setup.parameters, "xyz")
+        self._at: Point = self._frame.to_work(setup.position_mm)
         self._unit_mm = _unit_mm(unit)
         self._feed_mm_min = feed_mm_min
         self._columns: tuple[str, ...] = COLUMNS
@@ -100,7 +99,7 @@ class _Reader:
         self._take(data)
         if self._feed_mm_min <= 0:
             raise ProgramError("there is no feed: add a feed column, or give a feed for the file")
-        yield Feed(number, self._coordinates.to_machine(self._at), self._feed_mm_min)
+        yield Feed(number, self._frame.to_machine(self._at), self._feed_mm_min)
 
     def _cells(self, data: str) -> list[str]:
         if self._separator == " ":

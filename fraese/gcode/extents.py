@@ -2,7 +2,8 @@
 
 import math
 
-from fraese.gcode.canon import PLANE_AXES, Arc, Point
+from fraese.gcode.canon import PLANE_AXES, Arc
+from fraese.workframe import Point
 
 _QUARTER = math.pi / 2
 

@@ -8,12 +8,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Final
 
 from fraese.errors import ProgramError
-from fraese.gcode.canon import Move, Point, Rapid
+from fraese.gcode.canon import Move, Rapid
 from fraese.gcode.expressions import whole
-from fraese.gcode.offsets import G92_OFFSET, HOME, ORIGIN
+from fraese.gcode.offsets import HOMES
 from fraese.gcode.position import LETTERS, Position
 from fraese.gcode.setup import ToolData
 from fraese.gcode.words import Block
+from fraese.workframe import G92_OFFSET, Point
 
 # The system whose offset G10 L11 measures against.
 FIXTURE_SYSTEM: Final = 9
@@ -41,24 +42,23 @@ class Frames:
     def shift(self, change: Callable[[], None]) -> None:
         """Change offsets while the machine stays where it is."""
         position = self._position
-        machine = self._coordinates.to_machine(position.at)
+        machine = self._coordinates.frame.to_machine(position.at)
         change()
-        self._coordinates.update()
-        position.at = self._coordinates.to_program(machine)
+        position.at = self._coordinates.frame.to_work(machine)
 
     def select(self, number: int) -> None:
         """Put a coordinate system into force, 1 (G54) to 9 (G59.3)."""
         # Selecting what is in force already reads nothing anew, as in LinuxCNC.
-        if number != self._coordinates.system:
+        if number != self._coordinates.frame.system:
             self.shift(lambda: self._coordinates.select(number))
 
     def set_tool_offset(self, offset_mm: Point) -> None:
         """Put a tool offset into force."""
+        self.shift(lambda: self._coordinates.set_tool(offset_mm))
 
-        def change() -> None:
-            self._coordinates.tool = offset_mm
-
-        self.shift(change)
+    def no_length(self) -> None:
+        """G49."""
+        self.set_tool_offset(self._coordinates.nothing)
 
     def length(self, block: Block) -> None:
         """G43: the length of a tool by H, or of the one in the spindle.
@@ -76,13 +76,12 @@ class Frames:
         """
         if "h" not in block.words:
             raise ProgramError("G43.2 needs an H word")
-        x, y, z = self._coordinates.tool
-        more_x, more_y, more_z = self._offset_of(block)
-        self.set_tool_offset((x + more_x, y + more_y, z + more_z))
+        old, more = self._coordinates.frame.tool, self._offset_of(block)
+        self.set_tool_offset(tuple(a + b for a, b in zip(old, more, strict=True)))
 
     def dynamic_length(self, block: Block) -> None:
         """G43.1: the axis words themselves."""
-        self.set_tool_offset(self._given(block, self._coordinates.tool))
+        self.set_tool_offset(self._given(block, self._coordinates.frame.tool))
 
     def _offset_of(self, block: Block) -> Point:
         word = block.words.get("h")
@@ -105,6 +104,11 @@ class Frames:
         if number and not self._any_tool and number not in self._tools:
             raise ProgramError(f"tool {number} is not in the tool table")
 
+    def put_in(self, number: int) -> None:
+        """A tool is in the spindle; so it is for the next program."""
+        self._modal.tool = number
+        self._coordinates.set_tool_number(number)
+
     def tool_data(self, number: int) -> ToolData:
         """What is known of a tool; nothing is 0."""
         return self._tools.get(number, ToolData())
@@ -118,14 +122,10 @@ class Frames:
         )
         return x, y, z
 
-    def _axis_words(self, block: Block) -> dict[int, float]:
+    def _axis_words(self, block: Block) -> dict[str, float]:
         """The axis words in mm by axis."""
         scale = self._modal.scale_mm
-        return {
-            axis: block.words[letter] * scale
-            for axis, letter in enumerate(LETTERS)
-            if letter in block.words
-        }
+        return {letter: block.words[letter] * scale for letter in LETTERS if letter in block.words}
 
     # Non-modal codes
 
@@ -143,7 +143,7 @@ class Frames:
         number = whole(block.words.get("p", -1.0), "the P word of G10")
         if not 0 <= number <= 9:
             raise ProgramError("G10 needs P0 for the active system, or P1 (G54) to P9 (G59.3)")
-        return number or self._coordinates.system
+        return number or self._coordinates.frame.system
 
     def _set_system(self, block: Block) -> None:
         system = self._system_word(block)
@@ -155,10 +155,14 @@ class Frames:
         if "r" in block.words:
             raise ProgramError("G10 L20 takes no R word; use G10 L2 to rotate")
         system = self._system_word(block)
-        here = self._coordinates.to_machine(self._position.at)
-        values = self._coordinates.offset_at(
-            system, here, self._given(block, self._position.at), set(self._axis_words(block))
-        )
+        frame = self._coordinates.of_system(system)
+        offset = frame.offset_for(self._position.machine, self._given(block, self._position.at))
+        moved = frame.moved_with(self._axis_words(block))
+        values = {
+            letter: value
+            for letter, value in zip(frame.axes, offset, strict=True)
+            if letter in moved
+        }
         self.shift(lambda: self._coordinates.set_system(system, values, None))
 
     def _tool_word(self, block: Block) -> int:
@@ -185,7 +189,7 @@ class Frames:
     def _tool_here(self, block: Block, fixture: int = 0) -> None:
         """The offset with which the present place reads as the axis words."""
         number = self._tool_word(block)
-        machine = self._coordinates.to_machine(self._position.at)
+        machine = self._position.machine
         offset_mm = self._coordinates.tool_offset_at(
             machine, self._axis_words(block), self.tool_data(number).offset_mm, fixture
         )
@@ -200,19 +204,19 @@ class Frames:
         coordinates = self._coordinates
         given = [letter in block.words for letter in LETTERS]
         position.at = position.target(block)
-        yield Rapid(position.line, coordinates.to_machine(position.at))
+        yield Rapid(position.line, position.machine)
         # Single axes go home along the program's axes, which a rotation has turned.
-        stored = coordinates.to_program(coordinates.read(HOME[code]))
+        stored = coordinates.frame.to_work(coordinates.read(HOMES[code]))
         every = not any(given)
         x, y, z = (
             home if every or chosen else old
             for home, chosen, old in zip(stored, given, position.at, strict=True)
         )
         position.at = (x, y, z)
-        yield Rapid(position.line, coordinates.to_machine(position.at))
+        yield Rapid(position.line, position.machine)
 
     def _store_home(self, code: int, block: Block) -> Iterable[Move]:
-        self._coordinates.write(HOME[code], self._coordinates.to_machine(self._position.at))
+        self._coordinates.write(HOMES[code], self._position.machine)
         return ()
 
     def _g92(self, code: int, block: Block) -> Iterable[Move]:
@@ -221,7 +225,7 @@ class Frames:
         position = self._position
         at = position.at
         wanted = self._given(block, at)
-        old = self._coordinates.g92
+        old = self._coordinates.frame.g92
         x, y, z = (o + a - w for o, a, w in zip(old, at, wanted, strict=True))
         self.shift(lambda: self._coordinates.set_g92((x, y, z), active=True))
         return ()
@@ -229,12 +233,13 @@ class Frames:
     def _g52(self, code: int, block: Block) -> Iterable[Move]:
         if not block.has_axes:
             raise ProgramError("G52 needs an axis word")
-        offset = self._given(block, self._coordinates.g92)
+        offset = self._given(block, self._coordinates.frame.g92)
         self.shift(lambda: self._coordinates.set_g92(offset, active=True))
         return ()
 
     def _g92_off(self, code: int, block: Block) -> Iterable[Move]:
-        self.shift(lambda: self._coordinates.set_g92(ORIGIN, active=False, keep=code == 922))
+        nothing = self._coordinates.nothing
+        self.shift(lambda: self._coordinates.set_g92(nothing, active=False, keep=code == 922))
         return ()
 
     def _g92_on(self, code: int, block: Block) -> Iterable[Move]:

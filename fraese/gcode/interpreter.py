@@ -19,7 +19,6 @@ from fraese.gcode.canon import (
     Feed,
     Message,
     Move,
-    Point,
     Probe,
     Rapid,
 )
@@ -30,12 +29,14 @@ from fraese.gcode.offsets import Coordinates
 from fraese.gcode.outputs import Handler, Moves, Outputs
 from fraese.gcode.oword import SUBPROGRAM, Flow
 from fraese.gcode.parameters import Parameters
+from fraese.gcode.position import LETTERS
 from fraese.gcode.settings import Settings
 from fraese.gcode.setup import Setup
 from fraese.gcode.source import Source
 from fraese.gcode.state import ModalState, state_of
 from fraese.gcode.text import MAX_LINE
 from fraese.gcode.words import Block, BlockReader
+from fraese.workframe import Point, WorkFrame
 
 
 class Interpreter:
@@ -51,8 +52,8 @@ class Interpreter:
         # what was in force before the first line that was not skipped
         self.start_state: ModalState | None = None
         self._modal = Modal(tool=setup.tool, scale_mm=25.4 if setup.inches else 1.0)
-        self._motion = Motion(parameters, Coordinates(parameters), self._modal)
-        self._motion.at = self._motion.coordinates.to_program(setup.position_mm)
+        self._motion = Motion(parameters, Coordinates(parameters, LETTERS), self._modal)
+        self._motion.at = self._motion.coordinates.frame.to_work(setup.position_mm)
         self._frames = Frames(self._motion, setup.tools)
         self._settings = Settings(self._motion, self._frames)
         self._outputs = Outputs(self._motion, self._frames, self._settings)
@@ -88,6 +89,11 @@ class Interpreter:
     def modal_state(self) -> ModalState:
         """What is in force behind the last line that was read."""
         return state_of(self._motion, self._flow.source.line)
+
+    @property
+    def frame(self) -> WorkFrame:
+        """The work frame in force there; replaced whole when it changes."""
+        return self._motion.coordinates.frame
 
     @property
     def position_mm(self) -> Point:
@@ -197,7 +203,7 @@ class Interpreter:
         if isinstance(move, Probe):
             self._motion.probed(move, facts)
         elif facts is not None:
-            self._motion.at = self._motion.coordinates.to_program(facts.position_mm)
+            self._motion.at = self._motion.coordinates.frame.to_work(facts.position_mm)
 
     def _message(self, comment: str) -> Moves:
         found = messages.read(comment, self.parameters)

@@ -66,7 +66,7 @@ class Motion(Position):
 
     def _rapid(self, block: Block) -> Iterable[Move]:
         self.at = at = self.target(block)
-        return (Rapid(self.line, self.coordinates.to_machine(at)),)
+        return (Rapid(self.line, self.coordinates.frame.to_machine(at)),)
 
     def _feed(self, block: Block) -> Iterable[Move]:
         to = self.target(block)
@@ -75,15 +75,15 @@ class Motion(Position):
         if modal.inverse_time or feed_mm_min <= 0:
             feed_mm_min = self.feed_for(block, math.dist(self.at, to), 10)
         self.at = to
-        return (Feed(self.line, self.coordinates.to_machine(to), feed_mm_min),)
+        return (Feed(self.line, self.coordinates.frame.to_machine(to), feed_mm_min),)
 
     def _machine_straight(self, block: Block, code: int) -> Iterable[Move]:
         if code not in (0, 10):
             raise ProgramError("G53 needs G0 or G1")
         if not self.modal.absolute:
             raise ProgramError("G53 needs G90: machine coordinates are absolute")
-        coordinates = self.coordinates
-        here = coordinates.to_machine(self.at)
+        frame = self.coordinates.frame
+        here = frame.to_machine(self.at)
         scale = self.modal.scale_mm
         words = block.words
         x, y, z = (
@@ -91,7 +91,7 @@ class Motion(Position):
             for letter, old in zip(LETTERS, here, strict=True)
         )
         to = (x, y, z)
-        self.at = coordinates.to_program(to)
+        self.at = frame.to_work(to)
         if code == 0:
             return (Rapid(self.line, to),)
         return (Feed(self.line, to, self.feed_for(block, math.dist(here, to), code)),)
@@ -113,12 +113,12 @@ class Motion(Position):
         feed_mm_min = self.feed_for(block, length_mm, code)
         middle = [0.0, 0.0, 0.0]
         middle[first], middle[second] = centre
-        machine = self.coordinates.to_machine((middle[0], middle[1], middle[2]))
+        machine = self.coordinates.frame.to_machine((middle[0], middle[1], middle[2]))
         self.at = to
         return (
             Arc(
                 self.line,
-                self.coordinates.to_machine(to),
+                self.coordinates.frame.to_machine(to),
                 (machine[first], machine[second]),
                 modal.plane,
                 turns,
@@ -142,7 +142,7 @@ class Motion(Position):
             if not ends:
                 both = f"{LETTERS[first].upper()} or {LETTERS[second].upper()}"
                 raise ProgramError(f"an arc with R needs its end: {both} in plane {plane}")
-        if self.coordinates.rotation_deg and self.modal.plane != 17:
+        if self.coordinates.frame.is_rotated and self.modal.plane != 17:
             raise ProgramError("a rotated coordinate system allows arcs in plane G17 only")
 
     def _turns(self, word: float | None, code: int) -> int:
@@ -187,7 +187,7 @@ class Motion(Position):
         # Without a way to go a probe that must touch cannot; the others just do nothing.
         if must and self.at == to:
             raise ProgramError(f"{name(code)} has no way to go: it starts at its target")
-        machine = self.coordinates.to_machine(to)
+        machine = self.coordinates.frame.to_machine(to)
         return (Probe(self.line, machine, feed_mm_min, towards, must),)
 
     def probed(self, probe: Probe, facts: Facts | None) -> None:
@@ -200,11 +200,11 @@ class Motion(Position):
             # As commanded: the way is gone to its end, and who must touch there does so.
             facts = Facts(probe.to, touched=probe.must_touch)
         contact = facts.position_mm if facts.contact_mm is None else facts.contact_mm
-        values = self.coordinates.to_program(contact)
+        values = self.coordinates.frame.to_work(contact)
         for index, value in enumerate(values, start=PROBE_RESULT):
             self._parameters.set(index, value / self.modal.scale_mm)
         self._parameters.set(PROBE_TOUCHED, float(facts.touched))
-        self.at = self.coordinates.to_program(facts.position_mm)
+        self.at = self.coordinates.frame.to_work(facts.position_mm)
         if probe.must_touch and not facts.touched:
             wanted = "touch" if probe.until_closed else "open"
             raise ProgramError(f"the probe reached its target but did not {wanted}")

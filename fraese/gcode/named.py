@@ -9,11 +9,9 @@ from fraese.gcode.messages import DEBUG_SWITCH
 from fraese.gcode.oword import Flow
 from fraese.gcode.parameters import Live, Parameters
 from fraese.gcode.position import LETTERS, Position
+from fraese.workframe import TOOL_NUMBER, TOOL_OFFSET
 
 POSITION: Final = 5420
-TOOL_NUMBER: Final = 5400
-# Of the tool in the spindle, in mm whatever the unit of the program.
-TOOL_OFFSET: Final = 5401
 TOOL_DIAMETER: Final = 5410
 # The language is that of LinuxCNC 2.9.
 VERSION: Final = (2.9, 0.0)
@@ -93,8 +91,8 @@ def _modes(position: Position) -> dict[str, Live]:
         "_incremental": lambda: float(not modal.absolute),
         "_inverse_time": lambda: float(modal.inverse_time),
         "_units_per_minute": lambda: float(not modal.inverse_time),
-        "_coord_system": lambda: float(_SYSTEMS[coordinates.system - 1]),
-        "_tool_offset": lambda: float(any(coordinates.tool)),
+        "_coord_system": lambda: float(_SYSTEMS[coordinates.frame.system - 1]),
+        "_tool_offset": lambda: float(any(coordinates.frame.tool)),
         "_retract_r_plane": lambda: float(not modal.retract_to_start),
         "_retract_old_z": lambda: float(modal.retract_to_start),
         "_ijk_absolute_mode": lambda: float(modal.arc_absolute),

@@ -1,152 +1,114 @@
-"""Coordinates: from the program's position to the machine's, and the codes that shift them.
+"""The work frame of a program, and the codes' way of changing it.
 
-    machine = rotate(program + G92) + work offset + tool offset
-
-All in mm. The rotation (G10 L2 R) turns about Z. The offsets live in the numbered
-parameters, as a file may look at them and they outlive the program; what is in force is
-copied here, so that a parameter written by hand acts when its system is next selected.
+The offsets live in the numbered parameters, as a file may look at them and they outlive the
+program; what is in force is the frame, so that a parameter written by hand acts when its system
+is next selected.
 """
 
-import math
-from typing import Final
+from collections.abc import Mapping
+from dataclasses import replace
 
-from fraese.gcode.canon import Point
 from fraese.gcode.parameters import Parameters
+from fraese.workframe import (
+    ACTIVE_SYSTEM,
+    G28_HOME,
+    G30_HOME,
+    G92_ACTIVE,
+    G92_OFFSET,
+    LETTERS,
+    ROTATION,
+    TOOL_NUMBER,
+    TOOL_OFFSET,
+    Point,
+    WorkFrame,
+    first_of_system,
+    numbers,
+    stored,
+)
 
-ORIGIN: Final[Point] = (0.0, 0.0, 0.0)
-ACTIVE_SYSTEM: Final = 5220
-FIRST_SYSTEM: Final = 5221
-SYSTEM_STRIDE: Final = 20
-ROTATION: Final = 9
-G92_ACTIVE: Final = 5210
-G92_OFFSET: Final = 5211
-HOME: Final = {280: 5161, 281: 5161, 300: 5181, 301: 5181}
+#: Where the codes find their places.
+HOMES = {280: G28_HOME, 281: G28_HOME, 300: G30_HOME, 301: G30_HOME}
 
 
 class Coordinates:
-    """Offsets in force; ``shift`` is their sum where there is no rotation."""
+    """What is in force, and the parameters behind it.
 
-    def __init__(self, parameters: Parameters) -> None:
+    Attributes:
+        axes: letters, in machine order.
+        frame: replaced whole at every change.
+        nothing: the point at zero.
+    """
+
+    def __init__(self, parameters: Parameters, axes: str) -> None:
         self._parameters = parameters
-        self.system = 1
-        self.work: Point = ORIGIN
-        self.rotation_deg = 0.0
-        self.g92: Point = ORIGIN
-        self.tool: Point = ORIGIN
-        self.shift: Point = ORIGIN
-        if parameters.get(G92_ACTIVE):
-            self.g92 = self.read(G92_OFFSET)
-        self.select(min(9, max(1, int(parameters.get(ACTIVE_SYSTEM)))))
+        self.axes = axes
+        self.nothing: Point = (0.0,) * len(axes)
+        self.frame = WorkFrame.of(parameters.numbered, axes)
+        parameters.set(ACTIVE_SYSTEM, float(self.frame.system))
 
     def read(self, first: int) -> Point:
-        """Three parameters as a point."""
-        get = self._parameters.get
-        return get(first), get(first + 1), get(first + 2)
+        """A table of parameters as a point."""
+        return stored(self._parameters.numbered, first, self.axes)
 
     def write(self, first: int, point: Point) -> None:
-        """A point into three parameters."""
-        for index, value in enumerate(point, start=first):
-            self._parameters.set(index, value)
+        """A point into a table of parameters."""
+        for number, value in zip(numbers(first, self.axes), point, strict=True):
+            self._parameters.set(number, value)
 
-    def first_parameter(self, system: int) -> int:
-        """The parameter where a system (1 is G54) keeps its X."""
-        return FIRST_SYSTEM + (system - 1) * SYSTEM_STRIDE
+    def of_system(self, system: int) -> WorkFrame:
+        """The frame as it would be with a system as stored; the rest as in force."""
+        stored = WorkFrame.of(self._parameters.numbered, self.axes, system)
+        return replace(stored, g92=self.frame.g92, tool=self.frame.tool)
 
     def select(self, system: int) -> None:
         """Put a system into force, 1 to 9."""
-        self.system = system
         self._parameters.set(ACTIVE_SYSTEM, float(system))
-        first = self.first_parameter(system)
-        self.work = self.read(first)
-        self.rotation_deg = self._parameters.get(first + ROTATION)
-        self.update()
-
-    def update(self) -> None:
-        """Sum the offsets up again after one of them was set."""
-        self.shift = _sum(self.work, self.tool)
-        if not self.rotation_deg:
-            self.shift = _sum(self.shift, self.g92)
-
-    def to_machine(self, point: Point) -> Point:
-        """Program position to machine position."""
-        if self.rotation_deg:
-            point = _turn(_sum(point, self.g92), self.rotation_deg)
-        x, y, z = point
-        dx, dy, dz = self.shift
-        return x + dx, y + dy, z + dz
-
-    def to_program(self, point: Point) -> Point:
-        """Machine position to program position."""
-        point = _difference(point, self.shift)
-        if self.rotation_deg:
-            point = _difference(_turn(point, -self.rotation_deg), self.g92)
-        return point
+        self.frame = self.of_system(system)
 
     def set_g92(self, point: Point, active: bool, keep: bool = False) -> None:
         """Set G92 offsets; ``keep`` leaves the stored numbers alone."""
-        self.g92 = point
         if not keep:
             self.write(G92_OFFSET, point)
         self._parameters.set(G92_ACTIVE, float(active))
-        self.update()
+        self.frame = replace(self.frame, g92=point)
 
-    def set_system(self, system: int, values: dict[int, float], rotation: float | None) -> None:
+    def set_tool(self, offset: Point) -> None:
+        """Put a tool offset into force; it outlives the program."""
+        for number, value in zip(numbers(TOOL_OFFSET, self.axes), offset, strict=True):
+            self._parameters.keep(number, value)
+        self.frame = replace(self.frame, tool=offset)
+
+    def set_tool_number(self, number: int) -> None:
+        """Say which tool is in the spindle; it outlives the program."""
+        self._parameters.keep(TOOL_NUMBER, float(number))
+
+    def set_system(
+        self, system: int, values: Mapping[str, float], rotation_deg: float | None
+    ) -> None:
         """Store offsets of a system by axis, and its rotation, and use them if it is active."""
-        first = self.first_parameter(system)
-        for axis, value in values.items():
-            self._parameters.set(first + axis, value)
-        if rotation is not None:
-            self._parameters.set(first + ROTATION, rotation)
-        if system == self.system:
+        first = first_of_system(system)
+        for letter, value in values.items():
+            self._parameters.set(first + LETTERS.index(letter), value)
+        if rotation_deg is not None:
+            self._parameters.set(first + ROTATION, rotation_deg)
+        if system == self.frame.system:
             self.select(system)
 
-    def offset_at(
-        self, system: int, machine: Point, wanted: Point, given: set[int]
-    ) -> dict[int, float]:
-        """Work offsets that make a machine position read as ``wanted`` on the given axes.
-
-        With a rotation both X and Y change as soon as one of them is given.
-        """
-        rotation_deg = self._parameters.get(self.first_parameter(system) + ROTATION)
-        if rotation_deg and given & {0, 1}:
-            given = given | {0, 1}
-        turned = _turn(_sum(wanted, self.g92), rotation_deg)
-        offset = _difference(_difference(machine, self.tool), turned)
-        return {axis: offset[axis] for axis in given}
-
     def tool_offset_at(
-        self, machine: Point, wanted: dict[int, float], old: Point, fixture: int = 0
+        self, machine: Point, wanted: Mapping[str, float], old: Point, fixture: int = 0
     ) -> Point:
         """The tool offset with which a machine position reads as ``wanted``, by axis.
 
         Measured in the active system with G92, or in that of a fixture without. Axes that are
         not given keep the old offset, as seen in that system.
         """
-        work, g92, rotation_deg = self.work, self.g92, self.rotation_deg
+        frame = self.frame
         if fixture:
-            first = self.first_parameter(fixture)
-            work, g92 = self.read(first), ORIGIN
-            rotation_deg = self._parameters.get(first + ROTATION)
-        here = _difference(_turn(_difference(machine, work), -rotation_deg), g92)
-        x, y, z = (
-            at - wanted[axis] if axis in wanted else kept
-            for axis, (at, kept) in enumerate(zip(here, _turn(old, -rotation_deg), strict=True))
+            frame = replace(self.of_system(fixture), g92=self.nothing)
+        here = replace(frame, tool=self.nothing).to_work(machine)
+        kept = frame.turned(old, -1.0)
+        asked = tuple(
+            here[axis] - wanted[letter] if letter in wanted else kept[axis]
+            for axis, letter in enumerate(self.axes)
         )
-        return _turn((x, y, z), rotation_deg)
-
-
-def _turn(point: Point, angle_deg: float) -> Point:
-    if not angle_deg:
-        return point
-    angle = math.radians(angle_deg)
-    sine, cosine = math.sin(angle), math.cos(angle)
-    x, y, z = point
-    return x * cosine - y * sine, x * sine + y * cosine, z
-
-
-def _sum(a: Point, b: Point) -> Point:
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-def _difference(a: Point, b: Point) -> Point:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+        return frame.turned(asked)

@@ -92,13 +92,13 @@ class Outputs:
         if value == M_OFFSET + 61:
             number = whole(block.words.get("q", -1.0), "the Q word of M61")
             self._frames.check_tool(number)
-            m.tool = number
+            self._frames.put_in(number)
             return
         if m.spindle:
             m.spindle = 0
             yield self._spindle_now()
         yield Tool(self._motion.line, m.selected_tool)
-        m.tool = m.selected_tool
+        self._frames.put_in(m.selected_tool)
 
     def _spindle(self, block: Block, value: float) -> Moves:
         selected = block.words.get("$", 0.0)

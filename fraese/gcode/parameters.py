@@ -9,11 +9,10 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from fraese.errors import ProgramError
+from fraese.workframe import PERSISTENT
 
 MAX_INDEX: Final = 5601
 ARGUMENTS: Final = 30
-# What outlives the program: homes, G92, and the coordinate systems.
-PERSISTENT: Final = (*range(5161, 5170), *range(5181, 5190), *range(5210, 5391))
 READ_ONLY: Final = frozenset(range(5400, 5429))
 
 Live = Callable[[], float]
@@ -62,6 +61,11 @@ class Parameters:
         self.numbered[index] = value
         if index >= PERSISTENT[0]:
             self.changes += 1
+
+    def keep(self, index: int, value: float) -> None:
+        """What is in force and outlives the program, under a number that the program only reads."""
+        self.numbered[index] = value
+        self.changes += 1
 
     def find(self, name: str) -> float | None:
         """Value of ``#<name>``, or None where it has not been set."""

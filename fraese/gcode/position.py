@@ -9,10 +9,10 @@ import math
 from typing import Final
 
 from fraese.errors import ProgramError
-from fraese.gcode.canon import Point
 from fraese.gcode.modal import Modal, name
 from fraese.gcode.offsets import Coordinates
 from fraese.gcode.words import Block
+from fraese.workframe import Point
 
 LETTERS: Final = "xyz"
 # The feed that G93 gives a move of next to no length, in units per minute.
@@ -32,7 +32,7 @@ class Position:
     @property
     def machine(self) -> Point:
         """The place in machine mm."""
-        return self.coordinates.to_machine(self.at)
+        return self.coordinates.frame.to_machine(self.at)
 
     def target(self, block: Block) -> Point:
         """Where the axis words lead, in program mm."""

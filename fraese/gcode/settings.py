@@ -5,12 +5,12 @@ from dataclasses import replace
 from typing import Final, Literal, cast
 
 from fraese.errors import ProgramError
-from fraese.gcode.canon import Coolant, Move, Overrides, PathControl, Point, Spindle
+from fraese.gcode.canon import Coolant, Move, Overrides, PathControl, Spindle
 from fraese.gcode.frames import Frames
 from fraese.gcode.modal import Modal
 from fraese.gcode.motion import Motion
-from fraese.gcode.offsets import ORIGIN
 from fraese.gcode.words import Block
+from fraese.workframe import Point
 
 
 class Settings:
@@ -75,7 +75,11 @@ class Settings:
         """
         if code in (70, 73):
             coordinates = self._motion.coordinates
-            self._saved[level] = replace(self._modal), coordinates.system, coordinates.tool
+            self._saved[level] = (
+                replace(self._modal),
+                coordinates.frame.system,
+                coordinates.frame.tool,
+            )
             if code == 73:
                 self._restore_on_return.add(level)
         elif code == 71:
@@ -153,7 +157,7 @@ _SETTERS: Final[dict[int, Callable[[Settings, Block], None]]] = {
     430: lambda settings, block: settings._frames.length(block),
     431: lambda settings, block: settings._frames.dynamic_length(block),
     432: lambda settings, block: settings._frames.added_length(block),
-    490: lambda settings, block: settings._frames.set_tool_offset(ORIGIN),
+    490: lambda settings, block: settings._frames.no_length(),
     800: Settings._cancel,
     **{code: _chosen_system(i + 1) for i, code in enumerate((540, 550, 560, 570, 580, 590))},
     **{code: _chosen_system(i + 7) for i, code in enumerate((591, 592, 593))},

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from fraese.gcode.canon import Point
+from fraese.workframe import Point
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,9 +2,10 @@
 
 from dataclasses import dataclass
 
-from fraese.gcode.canon import PathMode, Plane, Point
+from fraese.gcode.canon import PathMode, Plane
 from fraese.gcode.modal import name
 from fraese.gcode.position import Position
+from fraese.workframe import Point
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +44,7 @@ class ModalState:
 
 def state_of(position: Position, line: int) -> ModalState:
     """The state at a position, in front of or behind a line."""
-    m, c = position.modal, position.coordinates
+    m, c = position.modal, position.coordinates.frame
     return ModalState(
         line=line,
         motion="" if m.motion is None else name(m.motion),
@@ -61,7 +62,7 @@ def state_of(position: Position, line: int) -> ModalState:
         selected_tool=m.selected_tool,
         tool_offset_mm=c.tool,
         work_offset=c.system,
-        work_offset_mm=c.work,
+        work_offset_mm=c.offset,
         rotation_deg=c.rotation_deg,
         g92_offset_mm=c.g92,
         retract_to_start=m.retract_to_start,

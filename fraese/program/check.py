@@ -26,6 +26,7 @@ from fraese.planner.lines import planned_s
 from fraese.program.context import ProgramContext
 from fraese.program.source import ProgramSource
 from fraese.program.translate import Moves, Translation
+from fraese.workframe import Point
 
 #: More are counted, not kept.
 _MOST_WARNINGS: Final = 20
@@ -86,12 +87,12 @@ class Survey:
 
     def __post_init__(self) -> None:
         machine = self.context.machine
-        self._at: canon.Point = self._start()
+        self._at: Point = self._start()
         self._limits_steps = [
             (axis.to_steps(axis.low_mm), axis.to_steps(axis.high_mm)) for axis in machine.axes
         ]
 
-    def _start(self) -> canon.Point:
+    def _start(self) -> Point:
         x_mm, y_mm, z_mm = self.context.machine.to_mm(self.context.start_steps)
         return (x_mm, y_mm, z_mm)
 

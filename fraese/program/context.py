@@ -9,6 +9,7 @@ from fraese.control.controller import Controller
 from fraese.gcode.setup import Setup, ToolData
 from fraese.machine import Machine, Steps
 from fraese.planner.planner import Options
+from fraese.workframe import TOOL_NUMBER
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +42,7 @@ class ProgramContext:
             start_steps=position.position_steps,
             slack_steps=position.slack_steps,
             referenced=position.referenced,
-            parameters=dict(position.offsets.parameters),
+            parameters=position.offsets.parameters,
         )
 
     @property
@@ -66,6 +67,7 @@ class ProgramContext:
             position_mm=(x_mm, y_mm, z_mm),
             parameters=dict(self.parameters),
             tools=tools or None,
+            tool=int(self.parameters.get(TOOL_NUMBER, 0.0)),
             block_delete=self.config.run.block_delete,
             file=str(path),
             folders=(path.parent,),

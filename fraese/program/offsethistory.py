@@ -8,9 +8,8 @@ Rule 1: what was read ahead but not reached does not count: a program that is ca
         offsets of the block at which it ended.
 """
 
-from collections import deque
-
 from fraese.control.controller import Controller
+from fraese.control.workoffsets import InForce
 from fraese.gcode import canon
 from fraese.program.source import ProgramSource
 from fraese.program.translate import Moves, Translation
@@ -31,8 +30,11 @@ class OffsetHistory:
         self._controller = controller
         self._source = source
         self._planner = translation.planner
-        # Blocks before a change, and the parameters from there on.
-        self._entries = deque([(0, dict(controller.position.offsets.parameters))])
+        # Blocks before a change, and what holds from there on; replaced whole.
+        self._entries: tuple[tuple[int, InForce], ...] = ((0, self._now()),)
+
+    def _now(self) -> InForce:
+        return self._source.parameters(), self._source.frame
 
     def watch(self, moves: Moves) -> Moves:
         """Pass everything on, both ways; note changes."""
@@ -49,19 +51,18 @@ class OffsetHistory:
             facts = yield move
 
     def _note(self, blocks: int) -> None:
-        self._forget_passed()
-        self._entries.append((blocks, self._source.parameters()))
+        self._entries = (*self._from_here(), (blocks, self._now()))
 
-    def _forget_passed(self) -> None:
-        finished = self._controller.blocks_finished()
-        while len(self._entries) > 1 and self._entries[1][0] <= finished:
-            self._entries.popleft()
+    def _from_here(self) -> tuple[tuple[int, InForce], ...]:
+        """What holds now, and what will."""
+        entries, finished = self._entries, self._controller.blocks_finished()
+        passed = sum(blocks <= finished for blocks, _ in entries[1:])
+        return entries[passed:]
 
     def close(self) -> None:
         """The program was played to its end."""
-        self._entries = deque([(0, self._source.parameters())])
+        self._entries = ((0, self._now()),)
 
-    def in_force(self) -> dict[int, float]:
-        """The parameters where the machine stands."""
-        self._forget_passed()
-        return self._entries[0][1]
+    def in_force(self) -> InForce:
+        """Parameters and frame where the machine stands. From any thread."""
+        return self._from_here()[0][1]

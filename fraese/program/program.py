@@ -96,13 +96,14 @@ class Program:
         history = OffsetHistory(controller, source, translation)
 
         def job() -> Job:
+            controller.position.offsets.follow(history.in_force)
             try:
                 guarded = Survey(context).guard(history.watch(moves), str(self.path))
                 yield from translation.blocks(guarded)
                 yield STANDSTILL
                 history.close()
             finally:
-                controller.position.offsets.replace(history.in_force())
+                controller.position.offsets.replace(history.in_force()[0])
 
         controller.start(
             self.name,

@@ -12,6 +12,7 @@ from fraese.gcode.state import ModalState
 from fraese.gcode.text import read_lines
 from fraese.program.context import ProgramContext
 from fraese.program.translate import Moves
+from fraese.workframe import WorkFrame
 
 
 def require_readable(path: Path) -> None:
@@ -71,6 +72,11 @@ class ProgramSource:
     def parameters(self) -> dict[int, float]:
         """What the program left of the persistent parameters."""
         return self._interpreter.parameters.persistent()
+
+    @property
+    def frame(self) -> WorkFrame:
+        """The work frame in force behind the last line read."""
+        return self._interpreter.frame
 
     @property
     def changes(self) -> int:

@@ -19,6 +19,7 @@ from fraese.gcode import canon
 from fraese.motor.seams import Ended, Report
 from fraese.planner.planner import Planner
 from fraese.program.context import ProgramContext
+from fraese.workframe import Point
 
 Moves = Generator[canon.Move, canon.Facts | None, None]
 Part = Generator[Block | Standstill | Ask, Report, canon.Facts | None]
@@ -220,7 +221,7 @@ class Translation:
             self._probed_way = ()
         return None
 
-    def _point(self, steps: tuple[int, ...]) -> canon.Point:
+    def _point(self, steps: tuple[int, ...]) -> Point:
         x_mm, y_mm, z_mm = self._context.machine.to_mm(steps)
         return (x_mm, y_mm, z_mm)
 
@@ -234,7 +235,7 @@ class Translation:
             self._controller.say(text)
 
 
-def _way(from_mm: canon.Point, to_mm: canon.Point) -> tuple[float, ...]:
+def _way(from_mm: Point, to_mm: Point) -> tuple[float, ...]:
     return tuple(b - a for a, b in zip(from_mm, to_mm, strict=True))
 
 

@@ -9,6 +9,7 @@ from fraese.errors import ProgramError
 from fraese.gcode import canon
 from fraese.gcode.interpreter import Interpreter
 from fraese.gcode.setup import Setup, ToolData
+from fraese.workframe import Point
 from tests.judge.rs274 import INCH_MM, Event, Verdict, judge
 
 # rs274 prints four decimals, also of inches: half a digit is 0.0013 mm, and a position may be
@@ -34,7 +35,7 @@ def our_verdict(text: str, tools: dict[int, float] | None = None, **setup: Any) 
     run = interpreter.run(text.splitlines())
     verdict = Verdict()
     answer = None
-    at = (0.0, 0.0, 0.0)
+    at: Point = (0.0, 0.0, 0.0)
     try:
         while True:
             move = run.send(answer)
@@ -52,7 +53,7 @@ def our_verdict(text: str, tools: dict[int, float] | None = None, **setup: Any) 
         return verdict
 
 
-def _short_of(start: canon.Point, probe: canon.Probe) -> canon.Facts:
+def _short_of(start: Point, probe: canon.Probe) -> canon.Facts:
     to = probe.to
     length_mm = math.dist(start, to)
     part = 1 - 0.01 * INCH_MM / length_mm if length_mm else 1.0
