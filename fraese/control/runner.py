@@ -99,7 +99,7 @@ class Runner:
             job: what to do.
             detour: where to go while it is held; None: stay.
         """
-        # Before the first word about this job to the driver: an order that comes from now on counts.
+        # Before the first word to the driver: an order that comes from now on is about this job.
         self._cancel = self._stop = self._held = self._resume = self._answered = False
         self._queue.begin()
         self._aside = Aside(self._driver, self._queue, detour) if detour is not None else None
