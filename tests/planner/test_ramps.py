@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fraese.blocks import CYCLES_PER_S, Block, Piece
+from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece
 from fraese.machine import Machine
 from fraese.planner.lines import plan_line
-from fraese.planner.ramps import CREST_TICKS, mirrored, ramp_up, time_law
+from fraese.planner.ramps import interval_q8, mirrored, ramp_up, time_law
 from fraese.planner.segments import start_rate_hz
 from tests.planner.motion import check_limits, duration_s, intervals_s, machine
 
@@ -27,6 +27,12 @@ def test_a_ramp_has_its_ticks_and_braking_is_its_mirror_image(
     up = ramp_up(start**2, 2 * acceleration, ticks)
     assert sum(piece.ticks for piece in up) == ticks
     assert list(law(up)) == list(law(mirrored(up))[::-1])
+
+
+@given(st.floats(1, 200_000))
+def test_a_rate_is_played_no_faster_than_it_was_meant(rate_hz: float) -> None:
+    played_hz = CYCLES_PER_S * Q8 / interval_q8(rate_hz)
+    assert rate_hz * (1 - 1e-3) < played_hz <= rate_hz * (1 + 1e-12)
 
 
 @given(st.floats(50, 3000), ACCELERATION, st.integers(2, 5000))
@@ -92,7 +98,8 @@ def test_too_short_to_get_slower_it_brakes_all_the_way() -> None:
 def test_a_short_move_has_a_crest_of_constant_rate(ticks: int) -> None:
     times = law(time_law(ticks, 800.0**2, 8000.0**2, 800.0**2, 2 * 20_000))
     fastest = np.isclose(times, times.min(), rtol=1e-9)
-    assert fastest.sum() >= CREST_TICKS
+    # X4Step: a motor is not torn from acceleration into braking.
+    assert fastest.sum() >= 4
     assert np.allclose(times, times[::-1], rtol=0.01)
 
 

@@ -1,3 +1,4 @@
+import math
 from dataclasses import replace
 from fractions import Fraction
 
@@ -34,3 +35,17 @@ def test_so_is_every_float_next_to_half_a_step(axis: Axis, step: int, away: int)
 @given(axes(), st.integers(-(10**6), 10**6))
 def test_and_every_decimal_a_program_can_hold(axis: Axis, number: int) -> None:
     assert rounder(axis)(number / 10_000) == axis.to_steps(number / 10_000)
+
+
+def test_where_the_float_product_lands_on_the_wrong_side() -> None:
+    """Floats next to half a step, of which some are rounded over it by the product."""
+    wrong = 0
+    for ratio in RATIOS:
+        axis = replace(AXIS, steps_per_mm=ratio)
+        to_steps, steps_per_mm = rounder(axis), float(ratio)
+        for step in range(-3000, 3000, 7):
+            position_mm = float((step + Fraction(1, 2)) / ratio)
+            for near_mm in (math.nextafter(position_mm, -math.inf), position_mm):
+                assert to_steps(near_mm) == axis.to_steps(near_mm)
+                wrong += math.floor(near_mm * steps_per_mm + 0.5) != axis.to_steps(near_mm)
+    assert wrong > 100

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fraese.blocks import Watch, WatchAction, steps_done
+from fraese.blocks import Outputs, Watch, WatchAction, steps_done
 from fraese.motor.realtime import mailbox
 from fraese.motor.realtime import memory as shared
 from fraese.motor.realtime.setup import ChargePump
@@ -76,6 +76,17 @@ class TestPlaying:
         room.until(0.25)
         assert answered == asked
 
+    def test_motors_run_until_the_last_pulse_has_ended(self) -> None:
+        """Stopped, with nothing queued any more; but a clock line is still up."""
+        room = Room("x4step")
+        room.play(steady(5, rate_hz=2))
+        room.at(SETTLED_S + 1.1, room.stop)
+        in_pulse = seen_at(room, SETTLED_S + 1.2, lambda: (room.report.running, room.report.queued))
+        after = seen_at(room, SETTLED_S + 1.3, lambda: room.report.running)
+        room.until(1.5)
+        assert in_pulse == [(True, 0)]
+        assert after == [False]
+
     def test_a_report_in_the_middle_is_of_that_moment(self) -> None:
         room = Room()
         room.play(steady(1000, -500, 250, rate_hz=1000, tag=5))
@@ -101,6 +112,29 @@ class TestWishes:
         assert seen == [Ended.STOP]
         assert report.position_steps == (2, 0, 0)
         assert room.bench.carriages() == (2, 0, 0)
+
+    @pytest.mark.parametrize("within_us", range(0, 1000, 90))
+    def test_an_answer_after_a_stop_knows_of_it(self, within_us: int) -> None:
+        """Also where the wait for the tick in hand is too short to be broken off."""
+        room = Room()
+        room.play(steady(400, rate_hz=1050))
+        asked: list[int] = []
+        told: list[tuple[bool, Ended]] = []
+
+        def stop_and_ask() -> None:
+            room.stop()
+            asked.append(room.ask())
+
+        def look() -> None:
+            if room.told().echo >= asked[0]:
+                told.append((room.report.running, room.report.ended))
+
+        room.at(0.2 + within_us * 1e-6, stop_and_ask)
+        for k in range(1, 150):
+            room.at(0.2 + within_us * 1e-6 + k * 20e-6, look)
+        report = room.until(0.25)
+        assert set(told) == {(False, Ended.STOP)}
+        assert room.bench.carriages() == report.position_steps
 
     def test_a_brake_in_a_slow_tick_loses_no_step(self) -> None:
         room = Room("x4step")
@@ -281,6 +315,15 @@ class TestHost:
         assert not report.energised
         assert set(room.bench.currents()) == {(0, 0)}
         assert room.bench.carriages() == report.position_steps
+
+    def test_silence_switches_every_output_off(self) -> None:
+        room = Room(silent_s=0.4)
+        room.play(line(9000, outputs=Outputs(0b11, 0b11)))
+        on = seen_at(room, 0.4, room.bench.outputs_on)
+        room.at(0.5, room.fall_silent)
+        assert room.until(1.3).ended is Ended.SILENCE
+        assert on == [{0, 1}]
+        assert room.bench.outputs_on() == set()
 
     def test_a_host_that_speaks_again_is_not_followed_blindly(self) -> None:
         room = Room(silent_s=0.4)
