@@ -364,6 +364,36 @@ def test_cancel_wins_over_resume_in_whatever_order() -> None:
         assert len(slices) < 10
 
 
+def test_what_is_cancelled_while_it_is_held_does_not_move_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A driver in a process of its own goes on the moment it is told to."""
+    made = plant()
+    controller, driver = made.controller, made.controller._driver
+    resume = driver.resume
+
+    def resume_at_once() -> None:
+        resume()
+        driver.poll(0.05)
+
+    monkeypatch.setattr(driver, "resume", resume_at_once)
+    held: list[tuple[float, ...]] = []
+
+    def look() -> None:
+        if controller.state().held:
+            held.append(carriages(made))
+            controller.cancel()
+            controller.resume()
+        elif not held:
+            controller.hold()
+
+    controller.set_break_key(look)
+    controller.jog("x", 50)
+    assert controller.run() is Status.CANCEL
+    assert len(held) == 1
+    assert carriages(made) == held[0]
+
+
 def test_hold_after_resume_holds() -> None:
     controller = plant().controller
     controller.jog("x", 50)

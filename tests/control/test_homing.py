@@ -194,6 +194,29 @@ def test_resolved_with_the_switch_in_sight_and_the_first_guess_undone() -> None:
     assert at[0] == TRAVEL_STEPS[0]
 
 
+def test_what_did_not_help_is_undone_before_the_next_is_tried() -> None:
+    """Three axes in the middle, and a hand on the last switch that is tried."""
+    made = plant()
+    mill(made).press(end("ymax"))
+    for _ in range(made.config.switches.readings):
+        made.controller.idle()
+    start = carriages(made)
+    tried: set[int] = set()
+
+    def look_closely() -> None:
+        moved = [n for n, (a, b) in enumerate(zip(carriages(made), start, strict=True)) if a != b]
+        tried.update(moved)
+        assert len(moved) <= 1
+        if moved == [1] and carriages(made)[1] < start[1]:
+            mill(made).let_go(end("ymax"))
+            made.controller.cancel()
+
+    made.controller.set_show_pos(look_closely)
+    made.controller.home()
+    assert made.controller.run() is Status.CANCEL
+    assert tried == {0, 1, 2}
+
+
 # --- bad switches --------------------------------------------------------------------------------
 
 

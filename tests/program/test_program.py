@@ -298,6 +298,20 @@ def test_what_was_read_ahead_but_not_reached_does_not_move_the_work_zero(tmp_pat
     assert controller.state().offset_mm[0] == pytest.approx(1)
 
 
+@pytest.mark.parametrize("slices", [6, 8, 12, 19, 23])
+def test_a_work_zero_moves_when_the_motors_come_to_it(tmp_path: Path, slices: int) -> None:
+    """Every fifth of a millimetre another zero, several of them read ahead at any time."""
+    made = homed()
+    controller = made.controller
+    after_slices(controller, slices, controller.cancel)
+    text = "G1 X0.2 F30\nG10 L20 P1 X0\n" * 20
+    assert run_program(made, program(tmp_path, text + "M2\n")) is Status.CANCEL
+    state = controller.state()
+    lines_done = int(state.position_mm[0] / 0.2 + 1e-6)
+    assert 0 < lines_done < 19
+    assert state.offset_mm[0] == pytest.approx(0.2 * lines_done)
+
+
 # --- probing -------------------------------------------------------------------------------------
 
 
