@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test coverage check format clean firmware rig-avr rig-lpt
+.PHONY: run test mutate coverage check format clean firmware rig-avr rig-lpt
 
 run: $(READY)
 	$(BIN)/fraese
@@ -12,6 +12,11 @@ run: $(READY)
 test: $(READY)
 	$(BIN)/pytest -n auto --dist worksteal -m "not alone"
 	$(BIN)/pytest -m alone
+
+# Faults in important lines, one at a time: which of them no test sees. ONLY=word: those with it in
+# their names. Takes most of an hour.
+mutate: $(READY)
+	$(BIN)/python -m bench.mutants $(ONLY)
 
 # Twice as slow.
 coverage: $(READY)

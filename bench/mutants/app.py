@@ -1,0 +1,59 @@
+"""The app: the stop key, what is announced before motion, a terminal that goes away."""
+
+from typing import Final
+
+from bench.mutants.mutant import Mutant, tests_of
+
+_U: Final = "fraese/ui/"
+
+MUTANTS: Final = (
+    Mutant(
+        "app/cli: motion is not announced to the state file",
+        "after a crash while moving, an old position counts as right",
+        "fraese/cli/__init__.py",
+        "        before_motion=lambda: plant.save(moving=True),\n",
+        "",
+        ("tests/ui/test_moving.py", "tests/cli/test_cli.py"),
+        limit_s=900,
+    ),
+    Mutant(
+        "app/link: an order is not announced",
+        "after a crash while moving, an old position counts as right",
+        _U + "machinelink.py",
+        "            self._before_motion()\n",
+        "            pass\n",
+        tests_of("ui/test_moving.py", "test_motion_is_announced_first_and_may_be_refused"),
+    ),
+    Mutant(
+        "app/link: the second stop brakes once more",
+        "who presses the stop key twice waits for the ramp all the same",
+        _U + "machinelink.py",
+        "            self._worker.stop()\n",
+        "            self._worker.cancel()\n",
+        tests_of("ui/test_moving.py", "test_second_stop_is_without_ramp"),
+    ),
+    Mutant(
+        "app/app: the stop key does not reach the motors",
+        "the stop key does nothing",
+        _U + "app.py",
+        "            moving = self.link.brake_or_stop()\n",
+        "            moving = self.link.moving\n",
+        tests_of("ui/test_moving.py", "test_stop_brakes_and_drops_what_waits"),
+    ),
+    Mutant(
+        "app/app: what began after the stop key was heard goes on",
+        "a jog that was pressed just before the stop key is made after it",
+        _U + "app.py",
+        "self._heard.moving or self.link.moving\n            self.link.brake()\n",
+        "self._heard.moving or self.link.moving\n",
+        ("tests/ui/test_stopkey.py", "tests/ui/test_moving.py"),
+    ),
+    Mutant(
+        "app/app: a terminal that goes away is not seen",
+        "the machine runs on with nobody at a stop key",
+        _U + "app.py",
+        "        if not os.isatty(sys.__stdin__.fileno() if sys.__stdin__ else 0):\n",
+        "        if False:\n",
+        ("tests/ui/test_terminal.py",),
+    ),
+)

@@ -1,0 +1,241 @@
+"""The controller: what may be asked for, what is known afterwards, and how a job ends."""
+
+from typing import Final
+
+from bench.mutants.mutant import Mutant, tests_of
+
+_C: Final = "fraese/control/"
+_T: Final = "tests/control/"
+_CONTROLLER: Final = (_T + "test_controller.py",)
+_HOMING: Final = (_T + "test_homing.py",)
+
+MUTANTS: Final = (
+    Mutant(
+        "control/softlimits: no lower limit",
+        "an axis is driven into its end",
+        _C + "softlimits.py",
+        "if not low <= there <= high:",
+        "if not there <= high:",
+        tests_of("control/test_controller.py", "test_the_limits_can_be_reached_and_not_passed"),
+    ),
+    Mutant(
+        "control/softlimits: no upper limit",
+        "an axis is driven into its end",
+        _C + "softlimits.py",
+        "if not low <= there <= high:",
+        "if not low <= there:",
+        tests_of("control/test_controller.py", "test_the_limits_can_be_reached_and_not_passed"),
+    ),
+    Mutant(
+        "control/softlimits: unreferenced, any way is allowed",
+        "an axis is driven into its end",
+        _C + "softlimits.py",
+        "elif abs(there - here) > axis.travel_mm * axis.steps_per_mm:",
+        "elif False:",
+        tests_of(
+            "control/test_controller.py", "test_unreferenced_no_move_is_longer_than_the_travel"
+        ),
+    ),
+    Mutant(
+        "control/position: a reference is never lost",
+        "after a stop without ramp the soft limits are in the wrong place",
+        _C + "position.py",
+        "self.referenced = tuple(old and n not in lost for n, old in enumerate(self.referenced))",
+        "pass",
+        tests_of(
+            "control/test_controller.py", "test_stop_above_the_start_rate_takes_the_reference"
+        ),
+    ),
+    Mutant(
+        "control/position: the latched place is on the wrong side",
+        "machine zero is off by twice the braking distance",
+        _C + "position.py",
+        "here - axis.motor_sign * (now - then)",
+        "here + axis.motor_sign * (now - then)",
+        tests_of("control/test_homing.py", "test_zero_lies_at_the_pull_off_distance"),
+    ),
+    Mutant(
+        "control/position: an inverted motor's latched place",
+        "machine zero of an inverted axis is off by twice the braking distance",
+        _C + "position.py",
+        "here - axis.motor_sign * (now - then)",
+        "here - (now - then)",
+        tests_of(
+            "control/test_homing.py",
+            "test_zero_lies_at_the_pull_off_distance",
+            "test_every_combination_of_home_ends",
+            "test_other_wirings",
+        ),
+    ),
+    Mutant(
+        "control/homing: an axis stays referenced while it is looked for",
+        "a reference run that fails leaves an old zero in force",
+        _C + "homing.py",
+        "        self._position.lose_reference([self._machine.index(name)])\n",
+        "",
+        tests_of(
+            "control/test_homing.py",
+            "test_a_second_run_loses_the_reference_until_it_is_found_again",
+        ),
+    ),
+    Mutant(
+        "control/homing: what did not help is not undone",
+        "an axis is backed off into its other end",
+        _C + "homing.py",
+        "        for axis, distance in reversed(made):\n",
+        "        for axis, distance in ():\n",
+        tests_of(
+            "control/test_homing.py", "test_what_did_not_help_is_undone_before_the_next_is_tried"
+        ),
+    ),
+    Mutant(
+        "control/homing: a switch that does not open again is left at that",
+        "machine zero is wherever the axis happened to stand",
+        _C + "homing.py",
+        "        if report.switch_closed:\n            raise HomingError(\n",
+        "        if False:\n            raise HomingError(\n",
+        tests_of("control/test_homing.py", "test_a_pull_off_shorter_than_the_switch_needs"),
+    ),
+    Mutant(
+        "control/runner: a hold that is cancelled goes on first",
+        "the tool moves on after a cancel",
+        _C + "runner.py",
+        "        if not self._cancel:\n            self._driver.resume()\n",
+        "        self._driver.resume()\n",
+        tests_of(
+            "control/test_controller.py",
+            "test_what_is_cancelled_while_it_is_held_does_not_move_first",
+        ),
+    ),
+    Mutant(
+        "control/runner: a hold is forgotten by an earlier resume",
+        "the tool moves on after a hold",
+        _C + "runner.py",
+        "        self._resume = False\n        self._held = True\n",
+        "        self._held = True\n",
+        tests_of("control/test_controller.py", "test_hold_after_resume_holds"),
+    ),
+    Mutant(
+        "control/runner: a stop that nobody asked for is no alarm",
+        "the rest of the path is made from the wrong place",
+        _C + "runner.py",
+        "return stray or ended in (Ended.SWITCH, Ended.SILENCE)",
+        "return ended in (Ended.SWITCH, Ended.SILENCE)",
+        tests_of("control/test_controller.py", "test_a_stop_that_nobody_asked_for_ends_the_job"),
+    ),
+    Mutant(
+        "control/runner: a contact is no alarm",
+        "the rest of the path is made from the wrong place",
+        _C + "runner.py",
+        "return stray or ended in (Ended.SWITCH, Ended.SILENCE)",
+        "return stray or ended is Ended.SILENCE",
+        tests_of("control/test_controller.py", "test_a_contact_is_an_alarm_that_names_its_end"),
+    ),
+    Mutant(
+        "control/runloop: outputs outlive a job that failed",
+        "the spindle runs on after an alarm",
+        _C + "runloop.py",
+        '("laser",) if self.status is Status.OK else ("laser", "spindle", "coolant")',
+        '("laser",)',
+        tests_of("program/test_program.py", "test_after_a_cancel_no_spindle_runs"),
+    ),
+    Mutant(
+        "control/runloop: a lost port keeps the references",
+        "a position that nobody knows counts as right",
+        _C + "runloop.py",
+        "        self._position.lose_reference(range(len(self._position.machine.axes)))\n",
+        "",
+        tests_of(
+            "control/test_controller.py",
+            "test_a_port_that_goes_away_ends_the_job_and_the_references",
+        ),
+    ),
+    Mutant(
+        "control/runloop: an error need not be acknowledged",
+        "motors start after an alarm that nobody has seen",
+        _C + "runloop.py",
+        "        if self.status is Status.ERROR:\n            raise StateError",
+        "        if False:\n            raise StateError",
+        tests_of(
+            "control/test_controller.py",
+            "test_refused_while_something_runs",
+            "test_a_contact_is_an_alarm_that_names_its_end",
+        ),
+    ),
+    Mutant(
+        "control/endswitches: a closed switch is in nobody's way",
+        "an axis is driven further into its end",
+        _C + "endswitches.py",
+        "if self.closed and not self._ignored:",
+        "if False:",
+        tests_of(
+            "control/test_controller.py",
+            "test_refused_while_something_runs",
+            "test_a_switch_pressed_since_the_last_look_is_seen_before_moving",
+        ),
+    ),
+    Mutant(
+        "control/lines: the slack after a curve's corner",
+        "a curve is cut the backlash off behind its second reversal",
+        _C + "lines.py",
+        "        slack = _difference(slack, turned)\n",
+        "",
+        tests_of("program/test_program.py", "test_a_frame_takes_up_backlash"),
+    ),
+    Mutant(
+        "control/retract: the block in hand is played again from its start",
+        "after a lift the tool is in the wrong place",
+        _C + "motionqueue.py",
+        "            blocks[0] = remainder(blocks[0], self.report.tick)\n",
+        "            pass\n",
+        tests_of("program/test_program.py", "test_held_the_tool_is_lifted_and_comes_back"),
+    ),
+    Mutant(
+        "control/savedstate: a crash while moving is forgotten",
+        "after a crash an old position counts as right",
+        _C + "savedstate.py",
+        "        if kept.moving:\n",
+        "        if False:\n",
+        (_T + "test_savedstate.py",),
+    ),
+    Mutant(
+        "control/endswitches: a jog off a switch needs no watch",
+        "the way off a closed switch is no way: the axis cannot be freed",
+        _C + "endswitches.py",
+        "        return self.watch(closed=False, action=WatchAction.IGNORE)\n",
+        "        return None\n",
+        _CONTROLLER,
+    ),
+    Mutant(
+        "control/endswitches: a jog further into a switch is let through",
+        "an axis is driven further into its end",
+        _C + "endswitches.py",
+        "if End(motor, sign) in ends or End(motor, -sign) not in ends:",
+        "if False:",
+        _CONTROLLER,
+    ),
+    Mutant(
+        "control/motionqueue: one block too few is finished",
+        "a block that was played is not in the position",
+        _C + "motionqueue.py",
+        "range(min(len(self._queue), finished - self._finished_before))",
+        "range(min(len(self._queue), finished - self._finished_before - 1))",
+        ("tests/control/test_played.py",),
+    ),
+    Mutant(
+        "control/motionqueue: one look is enough",
+        "a switch that bounces is taken for open",
+        _C + "motionqueue.py",
+        "equal = equal + 1 if self.poll().inputs == before else 0",
+        "equal = equal + 1 if self.poll() else 0",
+        (*_CONTROLLER, "tests/control/test_played.py"),
+    ),
+    Mutant(
+        "control/runloop: the queue is shorter than the braking time",
+        "a fast machine brakes for want of blocks, again and again",
+        _C + "runloop.py",
+        "lead_s = max(config.run.lead_s, braking_s + 2 * slice_s)",
+        "lead_s = config.run.lead_s",
+        _CONTROLLER,
+    ),
+)

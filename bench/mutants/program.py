@@ -1,0 +1,107 @@
+"""Programs and their language: what would be cut, or started, in the wrong place."""
+
+from typing import Final
+
+from bench.mutants.mutant import Mutant, tests_of
+
+_P: Final = "fraese/program/"
+_PROGRAM: Final = ("tests/program/test_program.py",)
+
+MUTANTS: Final = (
+    Mutant(
+        "program/check: what leaves the travel upwards is no warning",
+        "a program is started that drives an axis into its end",
+        _P + "check.py",
+        "                if high[i] > before[i]:\n",
+        "                if False:\n",
+        tests_of(
+            "program/test_program.py", "test_a_program_that_leaves_the_travel_is_refused_by_line"
+        ),
+    ),
+    Mutant(
+        "program/check: a run is not guarded",
+        "what a probe led to is driven into an end",
+        _P + "check.py",
+        "            if self.outside:\n",
+        "            if False:\n",
+        tests_of(
+            "program/test_program.py",
+            "test_without_the_look_through_limits_count_all_the_same",
+            "test_a_program_may_find_its_limits_only_while_it_runs",
+        ),
+    ),
+    Mutant(
+        "program/runfromline: tool, spindle and coolant are not repeated",
+        "the tool goes down into the work with the spindle off",
+        _P + "runfromline.py",
+        "        if kind in kept:\n",
+        "        if False:\n",
+        tests_of("program/test_program.py", "test_from_a_line_repeats_spindle_and_tool"),
+    ),
+    Mutant(
+        "program/runfromline: straight over instead of up first",
+        "the tool goes through the work",
+        _P + "runfromline.py",
+        "    yield canon.Rapid(line, (here_x, here_y, top_mm))\n",
+        "",
+        tests_of("program/test_program.py", "test_from_a_line_starts_with_what_was_in_force"),
+    ),
+    Mutant(
+        "program/offsethistory: what was only read counts",
+        "after a cancel the work zero is that of another clamping",
+        _P + "offsethistory.py",
+        "passed = sum(blocks <= finished for blocks, _ in entries[1:])",
+        "passed = len(entries) - 1",
+        tests_of("program/test_program.py", "test_a_work_zero_moves_when_the_motors_come_to_it"),
+    ),
+    Mutant(
+        "program/translate: after a probe the planner goes on from its target",
+        "everything after a probe is cut too deep",
+        _P + "translate.py",
+        "        self.planner.reset(where.position_steps, where.slack_steps)\n",
+        "",
+        tests_of(
+            "program/test_program.py", "test_probe_against_the_shared_switch_and_go_away_again"
+        ),
+    ),
+    Mutant(
+        "program/translate: a probe that touches already is moved",
+        "the probe is broken",
+        _P + "translate.py",
+        "if switches.probe_closed == move.until_closed:",
+        "if False:",
+        tests_of("program/test_program.py", "test_probes_that_fail_say_so"),
+    ),
+    Mutant(
+        "program/translate: after a probe any move is let through",
+        "the probe is broken",
+        _P + "translate.py",
+        "        if further_in:\n",
+        "        if False:\n",
+        tests_of("program/test_program.py", "test_after_a_probe_nothing_goes_further_in"),
+    ),
+    Mutant(
+        "config/axes: a start/stop rate above the highest rate",
+        "motors are started faster than they can turn",
+        "fraese/config/axes.py",
+        "if self.start_rate_hz > self.max_rate_hz:",
+        "if False:",
+        ("tests/config/test_config.py",),
+    ),
+    Mutant(
+        "program/runfromline: over to the line below its own height",
+        "the tool goes through the work on the way to a line above the safe height",
+        _P + "runfromline.py",
+        "top_mm = max(safe_z_mm, z_mm)",
+        "top_mm = safe_z_mm",
+        _PROGRAM,
+    ),
+    Mutant(
+        "program/translate: M49 is no protection from the override",
+        "a tap or a probe is slowed down or hurried against the program's word",
+        _P + "translate.py",
+        "acts=self._may_override",
+        "acts=True",
+        _PROGRAM,
+    ),
+)

@@ -1,0 +1,28 @@
+"""All rows."""
+
+from typing import Final
+
+from bench.mutants import (
+    app,
+    assembly,
+    bridge,
+    control,
+    firmware,
+    motor,
+    planner,
+    program,
+    realtime,
+)
+from bench.mutants.mutant import Mutant
+
+MUTANTS: Final[tuple[Mutant, ...]] = (
+    *motor.MUTANTS,
+    *realtime.MUTANTS,
+    *bridge.MUTANTS,
+    *firmware.MUTANTS,
+    *planner.MUTANTS,
+    *control.MUTANTS,
+    *program.MUTANTS,
+    *assembly.MUTANTS,
+    *app.MUTANTS,
+)
