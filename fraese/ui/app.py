@@ -9,6 +9,7 @@ Rule 3: however the app ends, the link is closed: the motors are off.
 import asyncio
 import contextlib
 import gc
+import math
 import os
 import signal
 import sys
@@ -94,6 +95,7 @@ class FraeseApp(App[None]):
         self._repeats = RepeatRule()
         self._notes = tuple(notes)
         self._state = self.link.state()
+        self._stopped_s = -math.inf
         self._drawn_at_s = 0.0
         self._draw_planned = False
         self._answer_is_new = False
@@ -177,10 +179,21 @@ class FraeseApp(App[None]):
         return self._early_stop.driver(super().get_driver_class())
 
     async def on_event(self, event: events.Event) -> None:
-        """Let the repeat rule see every key before anything happens."""
-        if isinstance(event, events.Key) and not event.is_forwarded:
-            self._repeats.press(event.key)
-            self._heard = self._early_stop.of(event)
+        """Let the repeat rule see every key before anything happens.
+
+        A stop key overtakes what was pressed before it, since it does not go to the screen first:
+        whatever comes back from there later is not done.
+        """
+        if isinstance(event, events.Key):
+            if event.is_forwarded:
+                # It has been to the screen and comes back to be done: too late after a stop.
+                if event.time < self._stopped_s:
+                    return
+            else:
+                self._repeats.press(event.key)
+                self._heard = self._early_stop.of(event)
+                if event.key in STOP_KEYS:
+                    self._stopped_s = event.time
         await super().on_event(event)
         self._heard = None
 

@@ -1,14 +1,18 @@
 """Keys move the carriages of the simulated mill."""
 
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
 import pytest
 from textual.widgets import Input
 
 from fraese.config import Config
 from fraese.control.state import Status
+from fraese.errors import ConfigError
 from fraese.ui.dialogs.goto import GoToDialog
 from fraese.ui.dialogs.help import HelpPage
 from fraese.ui.dialogs.reference import ReferenceDialog
-from tests.ui.helpers import LONG_MOVE_MM, FakeProgram, bench, play
+from tests.ui.helpers import LONG_MOVE_MM, Bench, FakeProgram, bench, play
 
 
 @pytest.mark.parametrize(
@@ -352,17 +356,60 @@ def test_nothing_jogs_while_a_program_runs_or_a_page_is_open() -> None:
     play(scene)
 
 
-def test_motion_is_announced_first_and_may_be_refused() -> None:
+async def _go_to(b: Bench) -> None:
+    await b.press("g")
+    await b.type("X1")
+    await b.press("enter")
+
+
+async def _reference(b: Bench) -> None:
+    await b.press("r", "enter")
+
+
+async def _start(b: Bench) -> None:
+    await b.wait(lambda: "Start it" in b.text("#message"))
+    await b.settled()
+    await b.press("s")
+
+
+async def _jog(b: Bench) -> None:
+    await b.press("right")
+
+
+@pytest.mark.parametrize("move", [_jog, _go_to, _reference, _start])
+def test_motion_is_announced_first_and_may_be_refused(
+    move: Callable[[Bench], Awaitable[None]],
+) -> None:
     async def scene() -> None:
-        from fraese.errors import ConfigError
+        announced: list[tuple[float, ...]] = []
 
         def refuse() -> None:
+            announced.append(b.moved_steps)
             raise ConfigError("state.json: the state cannot be written: no space left.")
 
-        async with bench(before_motion=refuse) as b:
-            await b.jog("right")
-            assert "no space left" in b.text("#message")
+        program = FakeProgram(["G1 X1"])
+        async with bench(
+            before_motion=refuse, program=Path("fake.nc"), open_program=lambda path: program
+        ) as b:
+            await move(b)
+            await b.wait(lambda: "no space left" in b.text("#message"))
+            await b.settled()
+            assert announced == [(0, 0, 0)]
             assert b.moved_steps == (0, 0, 0)
+            assert program.started == 0
+
+    play(scene)
+
+
+def test_what_does_not_move_is_not_announced() -> None:
+    async def scene() -> None:
+        announced: list[bool] = []
+        async with bench(before_motion=lambda: announced.append(True)) as b:
+            await b.press("X", "i")
+            await b.settled()
+            assert announced == []
+            await b.jog("right", "up")
+            assert announced == [True, True]
 
     play(scene)
 

@@ -1,8 +1,11 @@
 """The stop key acts where the terminal is read, whatever the app's thread is doing."""
 
+import asyncio
 import threading
+from pathlib import Path
 from typing import Any, cast
 
+import pytest
 from textual.driver import Driver
 from textual.events import Key
 from textual.message import Message
@@ -10,7 +13,7 @@ from textual.message import Message
 from fraese.config import Config
 from fraese.ui.keys import STOP_KEYS
 from fraese.ui.stopkey import EarlyStop
-from tests.ui.helpers import Bench, bench, play
+from tests.ui.helpers import Bench, FakeProgram, bench, play
 
 
 class Terminal(Driver):
@@ -43,6 +46,15 @@ def press_without_app(b: Bench, *keys: str) -> None:
     typist = threading.Thread(target=type_them)
     typist.start()
     typist.join()
+
+
+async def the_app_has_come_to_it(b: Bench) -> None:
+    """And to what was pressed before it: from app to screen, and back to the app."""
+    await b.wait(lambda: not b.app._early_stop._heard and b.app._heard is None)
+    for pump in (b.view, b.app):
+        done = asyncio.Event()
+        pump.call_later(done.set)
+        await done.wait()
 
 
 def test_the_motors_brake_while_the_app_draws() -> None:
@@ -78,6 +90,88 @@ def test_what_was_pressed_before_it_does_not_move_for_long() -> None:
             press_without_app(b, "right", "right", "ctrl+c")
             await b.settled()
             assert b.moved_steps[0] < 1900
+
+    play(scene)
+
+
+def test_what_was_ordered_before_it_and_has_not_begun_never_moves() -> None:
+    """The start key has been to the screen and waits to be done when the stop key is heard."""
+
+    async def scene() -> None:
+        gate = threading.Event()
+        begun = threading.Event()
+
+        def wait_at_the_gate() -> None:
+            begun.set()
+            assert gate.wait(60)
+
+        program = FakeProgram(["G1 X1"], distance_mm=100)
+        async with bench(
+            clock="paced",
+            program=Path("fake.nc"),
+            open_program=lambda path: program,
+            before_motion=wait_at_the_gate,
+        ) as b:
+            await b.wait(lambda: "Start it" in b.text("#message"))
+            await b.settled()
+            start = Key("s", "s")
+            start._set_forwarded()
+            b.app.post_message(start)
+            press_without_app(b, "ctrl+c")
+            await b.wait(begun.is_set)
+            await the_app_has_come_to_it(b)
+            gate.set()
+            await b.settled()
+            assert program.started == 1
+            assert b.moved_steps == (0, 0, 0)
+            assert "Cancelled" in b.text("#message")
+
+    play(scene)
+
+
+@pytest.mark.parametrize("keys", [["s"], ["right"], ["right", "right"], ["g", "right"]])
+def test_what_was_pressed_before_it_and_comes_later_is_not_done(keys: list[str]) -> None:
+    """The stop key does not go to the screen first, and so overtakes it."""
+
+    async def scene() -> None:
+        program = FakeProgram(["G1 X1"], distance_mm=100)
+        announced: list[str] = []
+        async with bench(
+            program=Path("fake.nc"),
+            open_program=lambda path: program,
+            before_motion=lambda: announced.append("moves"),
+        ) as b:
+            await b.wait(lambda: "Start it" in b.text("#message"))
+            await b.settled()
+            press_without_app(b, *keys, "ctrl+c")
+            await the_app_has_come_to_it(b)
+            await b.settled()
+            assert (announced, program.started, b.moved_steps) == ([], 0, (0, 0, 0))
+            assert b.app.screen is b.view
+            await b.jog("right")
+            assert b.moved_steps == (200, 0, 0)
+
+    play(scene)
+
+
+@pytest.mark.parametrize("early", [True, False])
+def test_jog_keys_work_again_after_a_jog_that_it_dropped(early: bool) -> None:
+    async def scene() -> None:
+        gate = threading.Event()
+        async with bench(before_motion=lambda: gate.wait(60)) as b:
+            if early:
+                jog = Key("right", None)
+                jog._set_forwarded()
+                b.app.post_message(jog)
+                press_without_app(b, "ctrl+c")
+                await the_app_has_come_to_it(b)
+            else:
+                await b.press("right", "right", "ctrl+c")
+            gate.set()
+            await b.settled()
+            assert b.moved_steps == (0, 0, 0)
+            await b.jog("right")
+            assert b.moved_steps == (200, 0, 0)
 
     play(scene)
 

@@ -7,6 +7,8 @@ import struct
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -16,24 +18,31 @@ pty = pytest.importorskip("pty")
 termios = pytest.importorskip("termios")
 
 
-def test_a_signal_brakes_switches_off_and_ends_the_app(tmp_path: Path) -> None:
-    script = tmp_path / "app.py"
-    script.write_text(
-        "from fraese.assembly import assemble\n"
-        "from fraese.config import Config\n"
-        "from fraese.ui import FraeseApp\n"
-        "plant = assemble(Config(), clock='paced')\n"
-        "app = FraeseApp(plant.controller, open_program=None)\n"
-        "app.run()\n"
-        "seen = plant.port.look()\n"
-        "with open('end.txt', 'w') as file:\n"
-        "    print(app.return_code, seen.currents[0].a_percent, seen.lost_steps[0],\n"
-        "          plant.controller.position.position_steps[0], file=file)\n"
-    )
+SCRIPT = """
+from fraese.assembly import assemble
+from fraese.config import Config
+from fraese.ui import FraeseApp
+plant = assemble(Config(), clock='paced')
+app = FraeseApp(plant.controller, open_program=None)
+app.run()
+seen = plant.port.look()
+with open('end.txt', 'w') as file:
+    print(app.return_code, seen.currents[0].a_percent, seen.lost_steps[0],
+          plant.controller.position.position_steps[0], file=file)
+"""
+
+
+@contextmanager
+def jogging_app(folder: Path) -> Iterator[tuple[subprocess.Popen[bytes], int]]:
+    """The app's process, on its way of 10 mm, and the near end of its terminal.
+
+    The terminal does not control the process: when it goes away there is no signal.
+    """
+    (folder / "app.py").write_text(SCRIPT)
     near, far = pty.openpty()
     fcntl.ioctl(far, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
     app = subprocess.Popen(
-        [sys.executable, str(script)], stdin=far, stdout=far, stderr=far, cwd=tmp_path,
+        [sys.executable, "app.py"], stdin=far, stdout=far, stderr=far, cwd=folder,
         start_new_session=True, env={**os.environ, "TERM": "xterm-256color"},
     )  # fmt: skip
     os.close(far)
@@ -42,15 +51,35 @@ def test_a_signal_brakes_switches_off_and_ends_the_app(tmp_path: Path) -> None:
         os.write(near, b"5")
         os.write(near, b"\x1b[C")
         read_until(near, b"RUN")
+        yield app, near
+    finally:
+        app.kill()
+        app.wait()
+        with suppress(OSError):
+            os.close(near)
+
+
+def ended(folder: Path) -> None:
+    """It ended as after a signal to terminate: it braked in time, lost nothing, motors off."""
+    code, current, lost, position = (folder / "end.txt").read_text().split()
+    assert (code, current, lost) == ("143", "0", "0.0")
+    assert 0 < int(position) < 2000
+
+
+def test_a_signal_brakes_switches_off_and_ends_the_app(tmp_path: Path) -> None:
+    with jogging_app(tmp_path) as (app, near):
         app.send_signal(signal.SIGTERM)
         read_until(near, b"")
         app.wait(timeout=20)
-    finally:
-        app.kill()
+    ended(tmp_path)
+
+
+@pytest.mark.alone
+def test_a_terminal_that_goes_away_without_a_signal_ends_the_app_too(tmp_path: Path) -> None:
+    with jogging_app(tmp_path) as (app, near):
         os.close(near)
-    code, current, lost, position = (tmp_path / "end.txt").read_text().split()
-    assert (code, current, lost) == ("143", "0", "0.0")
-    assert 0 < int(position) < 2000
+        app.wait(timeout=2)
+    ended(tmp_path)
 
 
 def read_until(fd: int, wanted: bytes) -> None:

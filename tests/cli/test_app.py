@@ -1,0 +1,53 @@
+"""The app as the command line makes it."""
+
+import json
+from pathlib import Path
+
+from fraese.assembly import assemble
+from fraese.cli import _make_app
+from fraese.config import Config
+from tests.ui.helpers import play
+
+
+def test_the_state_says_that_the_machine_moves_before_it_moves(tmp_path: Path) -> None:
+    async def scene() -> None:
+        plant = assemble(Config(), state=tmp_path)
+        app = _make_app(plant, None)
+
+        def is_moving() -> list[bool]:
+            return [json.loads(file.read_text())["moving"] for file in tmp_path.glob("*.json")]
+
+        async with app.run_test(size=(80, 24)) as pilot:
+            await pilot.press("X")
+            await pilot.pause()
+            assert True not in is_moving()
+            await pilot.press("right")
+            while app.busy or plant.controller.position.position_steps[0] != 200:
+                await pilot.pause(0.01)
+            assert is_moving() == [True]
+        plant.close()
+        assert is_moving() == [False]
+
+    play(scene)
+
+
+def test_the_app_is_told_what_it_drives(tmp_path: Path) -> None:
+    async def scene() -> None:
+        path = tmp_path / "part.ngc"
+        path.write_text("G21 G90\nG1 X5 F300\nM2\n")
+        plant = assemble(Config(), state=tmp_path)
+        app = _make_app(plant, path)
+        async with app.run_test(size=(80, 24)) as pilot:
+            while app.view.desk.programs.program is None:
+                await pilot.pause(0.01)
+            assert app.view.desk.programs.program.name == "part.ngc"
+            assert app.view.desk.machine_name == "simulated mill"
+            hand = app.view.desk.hand
+            assert hand is not None
+            hand("xmax", True)
+            while not app.machine_state.switch_closed:
+                await pilot.pause(0.01)
+            hand("xmax", False)
+        plant.close()
+
+    play(scene)
