@@ -79,6 +79,11 @@ class Axis:
         return math.isinf(self.travel_mm)
 
     @property
+    def travel_steps(self) -> float:
+        """From end to end; infinite if there is none."""
+        return self.travel_mm if self.is_endless else self.to_steps(self.travel_mm)
+
+    @property
     def low_steps(self) -> int:
         """The lower soft limit, in steps."""
         return -_MOST_STEPS if self.is_endless else self.to_steps(self.low_mm)

@@ -98,9 +98,16 @@ def _meaning(config: Config, machine: Machine) -> tuple[str, ...]:
     table = config.card.table if config.card.kind == "smc1500" else ""
     return tuple(
         f"{config.card.kind} {table} {axis.steps_per_mm} {axis.motor_sign} {axis.home_sign}"
-        f" {axis.low_mm} {axis.high_mm} {axis.backlash_steps}"
-        for axis in machine.axes
+        f" {axis.low_mm} {axis.high_mm} {axis.backlash_steps}{other}"
+        for axis, other in zip(machine.axes, _unusual(config), strict=True)
     )
+
+
+def _unusual(config: Config) -> list[str]:
+    """Name and socket of each axis, where they are not those of a mill of X, Y and Z."""
+    usual = [("x", 0), ("y", 1), ("z", 2)]
+    axes = list(zip(config.axes.names, config.axes.sockets, strict=True))
+    return ["" if axes == usual else f" {name} {socket}" for name, socket in axes]
 
 
 def assemble(
@@ -140,7 +147,15 @@ def assemble(
         Path(config.log.file) if config.log.file else (state or state_folder()) / "fraese.log"
     )
     log.switch(config.log.enabled)
-    controller = Controller(machine, made.driver, made.clock, config, log, slice_s=made.slice_s)
+    controller = Controller(
+        machine,
+        made.driver,
+        made.clock,
+        config,
+        log,
+        slice_s=made.slice_s,
+        step_word=card.step_word,
+    )
     if kept is not None:
         controller.take_up(kept)
         if kept.moving:

@@ -58,10 +58,11 @@ def simulated_mill(config: Config, machine: Machine, clock: Clock) -> SimulatedM
     mill = Mill(
         [
             Slide(
-                round(axis.to_steps(axis.travel_mm) * scale),
+                axis.travel_steps * float(scale),
                 limits,
                 round(axis.to_steps(simulation.overrun_mm) * scale),
                 round(axis.to_steps(simulation.backlash_mm) * scale),
+                has_switches=axis.has_switches,
             )
             for axis in machine.axes
         ],

@@ -95,11 +95,9 @@ class Session:
             return
         if state.message != self._told:
             note(state.message)
-        where = " ".join(
-            f"{name.upper()} {mm:.3f}" for name, mm in zip(state.axes, state.work_mm, strict=True)
-        )
+        where = self._controller.machine.in_words(state.work_mm)
         in_force = state.work.words()
-        print(f"{word}: {where} mm" + (f" ({in_force})" if in_force else ""))
+        print(f"{word}: {where}" + (f" ({in_force})" if in_force else ""))
 
     def _result(self, word: str, state: MachineState) -> dict[str, Any]:
         def by_axis(values: tuple[Any, ...]) -> dict[str, Any]:
@@ -121,6 +119,8 @@ class Session:
             },
             "referenced": by_axis(state.referenced),
             "steps": by_axis(self._controller.travelled_steps()),
+            "units": by_axis(state.units),
+            "step": state.step_word,
             "duration_s": round(duration_ns / 1e9, 6),
             "blocks": self._blocks,
             "late_ticks": state.late_ticks,
@@ -197,7 +197,11 @@ def watch_switches(controller: Controller, *, as_json: bool) -> int:
     """
     if as_json or not sys.stdout.isatty():
         return _look_once(controller, as_json=as_json)
-    test = SwitchTest([axis.name for axis in controller.machine.axes])
+    axes = [axis.name for axis in controller.machine.axes if axis.has_switches]
+    if not axes:
+        print("This machine has no end switches.")
+        return 0
+    test = SwitchTest(axes)
     shown = ""
     while not test.done:
         since_s = time.monotonic()

@@ -128,6 +128,8 @@ class Config(Section):
 
     def _check_safe_z(self) -> None:
         z, safe_mm = self.axes.table.get(VERTICAL), self.run.safe_z_mm
+        if z is None and self.run.retract_mm:
+            raise ValueError("run.retract_mm lifts Z, and there is no z in axes.names")
         if safe_mm is None:
             return
         if z is None:

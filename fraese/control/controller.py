@@ -37,6 +37,7 @@ class Controller:
         config: limits, feeds, standstill.
         log: the log file that can be switched, if there is one.
         slice_s: how long one poll of the driver may take, s.
+        step_word: what the card calls one step.
 
     Attributes:
         position: positions, references, work offsets.
@@ -52,9 +53,11 @@ class Controller:
         config: Config,
         log: LogFile | None = None,
         slice_s: float = 0.02,
+        step_word: str = "step",
     ) -> None:
         self.machine = machine
         self.config = config
+        self.step_word = step_word
         self.log = log
         self._driver = driver
         self.override = 1.0
@@ -130,9 +133,9 @@ class Controller:
             LimitError: if it would leave the travel, or is too long or nothing.
             StateError: if the machine is not ready, or stands on the switch it would move into.
         """
-        softlimits.require_jog(distance_mm, self.config.jog.max_mm)
         motor = self.machine.index(axis)
         moved, here = self.machine.axes[motor], self.position.position_steps[motor]
+        softlimits.require_jog(moved, distance_mm, self.config.jog.max_mm)
         target = moved.to_steps(moved.to_mm(here) + distance_mm)
         self.jog_steps(axis, target - here, clamp=clamp)
 
@@ -148,9 +151,11 @@ class Controller:
         motor = self.machine.index(axis)
         moved = self.machine.axes[motor]
         if not distance_steps:
-            raise LimitError(f"A jog must be at least one step of {moved.step_mm:g} mm.")
+            raise LimitError(
+                f"A jog must be at least one step of {moved.with_unit(moved.step_mm)}."
+            )
         if abs(distance_steps) > moved.to_steps(self.config.jog.max_mm):
-            softlimits.require_jog(moved.to_mm(distance_steps), self.config.jog.max_mm)
+            softlimits.require_jog(moved, moved.to_mm(distance_steps), self.config.jog.max_mm)
         target = list(self.position.position_steps)
         target[motor] += distance_steps
         if clamp:
@@ -207,14 +212,24 @@ class Controller:
 
     @logged
     def home(self, axes: Sequence[str] = (), *, measure: bool | None = None) -> None:
-        """Reference axes, all configured ones by default; ``run`` does it.
+        """Reference axes; ``run`` does it.
+
+        Args:
+            axes: names; by default those with end switches, as configured.
+            measure: run to the other end too.
 
         Raises:
+            LimitError: if no axis has end switches and none was named.
             StateError: if the machine is not ready.
         """
         homing = self.config.homing
         order = [name for name in self.config.home_order if not axes or name in axes]
         order += [name for name in axes if name not in order]
+        if not order:
+            raise LimitError(
+                "No axis has end switches: name those whose present place is to be their zero, as"
+                f" in home {self.machine.axes[0].name.upper()}."
+            )
         measure = homing.measure if measure is None else measure
         job = Homing(homing, self.position, self.switches, self.say, measure).job(order)
         self.start("reference " + " ".join(name.upper() for name in order), job)
@@ -354,4 +369,6 @@ class Controller:
             dry_queues=report.dry_queues,
             question=loop.runner.question,
             override=self.override,
+            units=tuple(axis.unit for axis in axes),
+            step_word=self.step_word,
         )

@@ -125,14 +125,19 @@ class EndSwitches:
             return candidates
         every = self._every()
         near = frozenset(end for end in every if self._is_near(end))
-        ends = candidates & near or near or candidates
+        ends = candidates & near or near or candidates & every or every
         # That it may be any end is no news.
-        is_kept = kept and candidates == every
+        is_kept = kept and candidates >= every
         return ends & self._kept or ends if is_kept else ends
 
     def _every(self) -> frozenset[End]:
-        motors = range(len(self._machine.axes))
-        return frozenset(End(motor, sign) for motor in motors for sign in (-1, 1))
+        """All ends that have a switch."""
+        return frozenset(
+            End(motor, sign)
+            for motor, axis in enumerate(self._machine.axes)
+            if axis.has_switches
+            for sign in (-1, 1)
+        )
 
     def _is_near(self, end: End) -> bool:
         if not self._position.referenced[end.motor]:

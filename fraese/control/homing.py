@@ -12,7 +12,8 @@ Rule 2: every way is bounded; an end that is not found, and a switch that does n
         that say what to look at.
 Rule 3: closed at the start it may be any switch, or two at once in a corner. The candidates are
         backed off one after the other, then in pairs, each way short; what did not help is undone.
-Rule 4: an axis is unreferenced from the start of its run until its zero is set.
+Rule 4: an axis without end switches does not move: where it stands becomes its zero.
+Rule 5: an axis is unreferenced from the start of its run until its zero is set.
 """
 
 from collections.abc import Callable, Generator, Sequence
@@ -64,7 +65,7 @@ class Homing:
             HomingError: from the generator, with the motors at standstill.
         """
         report = yield STANDSTILL
-        if report.switch_closed:
+        if report.switch_closed and any(self._axis(name).has_switches for name in axes):
             ends = self._switches.ends()
             # Since the last command somebody may have moved a carriage by hand.
             others = self._switches.ends(kept=False) - ends
@@ -76,8 +77,14 @@ class Homing:
 
     # --- one axis ------------------------------------------------------------------------------
 
+    def _axis(self, name: str) -> Axis:
+        return self._machine.axes[self._machine.index(name)]
+
     def _reference(self, name: str) -> Generator[Block | Standstill | Ask, Report, str]:
-        axis = self._machine.axes[self._machine.index(name)]
+        axis = self._axis(name)
+        if not axis.has_switches:
+            self._position.set_reference(name, 0)
+            return f"{name.upper()} (without end switches: where it stands is zero)"
         sign = axis.home_sign
         self._position.lose_reference([self._machine.index(name)])
         contact = yield from self._find(axis, sign)
@@ -157,7 +164,7 @@ class Homing:
     def _free(self, candidates: list[End]) -> Generator[Block | Standstill | Ask, Report, None]:
         """Back off candidates until the switch opens."""
         reach_mm = self._config.resolve_mm
-        for size in (1, 2, 3):
+        for size in range(1, len(self._machine.axes) + 1):
             for ends in combinations(candidates, size):
                 if len({end.motor for end in ends}) < size:
                     continue

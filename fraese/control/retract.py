@@ -12,7 +12,7 @@ Rule 2: it is given back behind a closed throttle: what was planned at speed sta
 from collections import deque
 from collections.abc import Sequence
 from enum import Enum, auto
-from typing import Final, Protocol
+from typing import Protocol
 
 from fraese.blocks import Block
 from fraese.control.lines import line_blocks, slack_after
@@ -20,8 +20,6 @@ from fraese.control.motionqueue import MotionQueue
 from fraese.control.position import Position
 from fraese.motor.seams import StepDriver
 from fraese.planner.lines import plan_line
-
-_VERTICAL: Final = 2
 
 
 class Detour(Protocol):
@@ -115,6 +113,8 @@ class Aside:
 class Retract:
     """Up by a distance, as far as the travel allows, and back down to the very step.
 
+    A machine without a vertical axis stays where it is.
+
     Args:
         position: of the axes.
         height_mm: how far.
@@ -129,21 +129,28 @@ class Retract:
     def away(self) -> Sequence[Block]:
         """Up, from where the hold came to rest."""
         where = self._position
-        axis = where.machine.axes[_VERTICAL]
+        vertical = where.machine.vertical
+        self._slack_steps = where.slack_steps
+        if vertical is None:
+            return []
+        axis = where.machine.axes[vertical]
         height = axis.to_steps(self._height_mm)
-        if where.referenced[_VERTICAL]:
-            room = axis.to_steps(axis.high_mm) - where.position_steps[_VERTICAL]
+        if where.referenced[vertical]:
+            room = axis.high_steps - where.position_steps[vertical]
             height = min(height, max(0, room))
         self._height_steps = height
-        self._slack_steps = where.slack_steps
-        return list(line_blocks(where, (0, 0, height)))
+        return list(line_blocks(where, self._lift(height)))
 
     def back(self) -> Sequence[Block]:
         """Down again, with the backlash on the side on which it was."""
-        where, down = self._position, (0, 0, -self._height_steps)
+        where, down = self._position, self._lift(-self._height_steps)
         turned = tuple(
             after - before
             for after, before in zip(slack_after(where, down), self._slack_steps, strict=True)
         )
         restore = plan_line(where.machine, turned)
         return [*line_blocks(where, down), *([] if restore is None else [restore])]
+
+    def _lift(self, height_steps: int) -> tuple[int, ...]:
+        machine = self._position.machine
+        return tuple(height_steps if n == machine.vertical else 0 for n in range(len(machine.axes)))

@@ -63,6 +63,11 @@ def limits_steps(position: Position, motor: int) -> tuple[int, int]:
 
 def outside_travel(axis: Axis, value_mm: float) -> str:
     """The sentence, without its end, for a position in machine coordinates."""
+    if axis.is_endless:
+        return (
+            f"{axis.name.upper()} {axis.with_unit(value_mm)} is further than steps are counted,"
+            f" {axis.with_unit(axis.to_mm(axis.high_steps))} either way"
+        )
     return (
         f"{axis.name.upper()} {axis.with_unit(f'{value_mm:.3f}')} is outside the travel,"
         f" {axis.low_mm:g} to {axis.with_unit(axis.high_mm)} in machine coordinates"
@@ -75,13 +80,13 @@ def _outside(axis: Axis, target_steps: int, frame: WorkFrame) -> str:
     own = frame.moved_with(axis.name) == {axis.name}
     work = (
         f" (work {axis.low_mm - offset_mm:.3f} to {axis.high_mm - offset_mm:.3f})"
-        if offset_mm and own
+        if offset_mm and own and not axis.is_endless
         else ""
     )
     return f"{outside_travel(axis, axis.to_mm(target_steps))}{work}."
 
 
-def require_jog(distance_mm: float, longest_mm: float) -> None:
+def require_jog(axis: Axis, distance_mm: float, longest_mm: float) -> None:
     """See that a jog is bounded.
 
     Raises:
@@ -89,7 +94,8 @@ def require_jog(distance_mm: float, longest_mm: float) -> None:
     """
     if not 0 < abs(distance_mm) <= longest_mm:
         raise LimitError(
-            f"A jog must be longer than 0 and at most {longest_mm:g} mm, not {distance_mm:g} mm."
+            f"A jog must be longer than 0 and at most {axis.with_unit(longest_mm)}, not"
+            f" {axis.with_unit(distance_mm)}."
         )
 
 

@@ -91,12 +91,12 @@ class MachineState:
         message: the last thing that a person should know; empty if there is none.
         axes: names, in the order of all tuples here.
         position_steps: machine position.
-        position_mm: the same, in mm.
+        position_mm: the same, in mm; like all that is called so, in degrees on a rotary axis.
         work_mm: work coordinates, with everything that ``work`` says.
         offset_mm: where the work zero lies, machine coordinates.
         work: what is in force.
         referenced: per axis.
-        low_mm: soft limits; they count for a referenced axis.
+        low_mm: soft limits; they count for a referenced axis; infinite on an endless one.
         high_mm: likewise.
         speed_mm_min: along the path, now.
         running: steps are being made.
@@ -112,6 +112,8 @@ class MachineState:
         dry_queues: times the queue ran dry since the start.
         override: feed override, a factor.
         question: what the operator is asked, with the job waiting; empty if nothing.
+        units: "mm" or "°", per axis.
+        step_word: what one step is called: half-step, quarter-step, pulse.
     """
 
     status: Status
@@ -139,3 +141,5 @@ class MachineState:
     question: str = ""
     override: float = 1.0
     work: WorkFacts = WorkFacts()
+    units: tuple[str, ...] = ()
+    step_word: str = "step"

@@ -52,9 +52,9 @@ FULL_STEPS_PER_REV: Final = (200, 400)
 
 #: How steps of these parts of a full step are called.
 _STEP_WORDS: Final[Mapping[Fraction, str]] = {
-    Fraction(1): "full steps",
-    Fraction(2): "half-steps",
-    Fraction(4): "quarter-steps",
+    Fraction(1): "full step",
+    Fraction(2): "half-step",
+    Fraction(4): "quarter-step",
 }
 #: What an entry may turn the field by, in parts of the mean: four levels make no finer angles.
 _EVEN: Final = (0.5, 1.5)
@@ -103,9 +103,9 @@ def parts_of_full_step(table: bytes) -> Fraction:
 
 
 def step_word(table: bytes) -> str:
-    """What one step of a table is called, in the plural: half-steps, 1/8 steps."""
+    """What one step of a table is called: half-step, 1/8 step."""
     parts = parts_of_full_step(table)
-    return _STEP_WORDS.get(parts, f"{1 / parts} steps")
+    return _STEP_WORDS.get(parts, f"{1 / parts} step")
 
 
 def steps_per_rev(table: bytes, full_steps: int = FULL_STEPS_PER_REV[0]) -> Fraction:
@@ -117,7 +117,7 @@ def describe_table(table: bytes) -> str:
     """What a table is, for people."""
     full_steps = FULL_STEPS_PER_REV[0]
     return (
-        f"{len(table)} entries: {step_word(table)}, {float(steps_per_rev(table)):g} steps_per_rev"
+        f"{len(table)} entries: {step_word(table)}s, {float(steps_per_rev(table)):g} steps_per_rev"
         f" for a {full_steps}-step motor"
     )
 

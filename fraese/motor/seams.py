@@ -83,6 +83,8 @@ class Card(Protocol):
 
     #: How many motors the card drives.
     motors: int
+    #: What one step is called: half-step, pulse.
+    step_word: str
     #: Between a change of direction and the next edge.
     setup_cycles: int
     #: A falling edge comes half an interval after its rising edge, but not earlier than this.

@@ -70,5 +70,4 @@ def shape_of(controller: Controller) -> Shape:
         AxisShape(axis.name, axis.unit, axis.step_mm, axis.has_switches)
         for axis in controller.machine.axes
     )
-    step_word = "pulse" if controller.config.card.kind == "stepdir" else "half-step"
-    return Shape(axes, step_word)
+    return Shape(axes, controller.step_word)

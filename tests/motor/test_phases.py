@@ -167,12 +167,12 @@ def test_a_table_without_fault_turns_one_way_once_round(table: bytes) -> None:
 @pytest.mark.parametrize(
     ("table", "word", "per_rev"),
     [
-        (PHASE_TABLES["full-step"], "full steps", 200),
-        (MOTRUN, "half-steps", 400),
-        (QUARTERS, "quarter-steps", 800),
-        (EIGHTHS, "1/8 steps", 1600),
-        (bytes(12), "1/3 steps", 600),
-        (bytes(5), "4/5 steps", 250),
+        (PHASE_TABLES["full-step"], "full step", 200),
+        (MOTRUN, "half-step", 400),
+        (QUARTERS, "quarter-step", 800),
+        (EIGHTHS, "1/8 step", 1600),
+        (bytes(12), "1/3 step", 600),
+        (bytes(5), "4/5 step", 250),
     ],
 )
 def test_a_table_says_what_it_is(table: bytes, word: str, per_rev: int) -> None:
@@ -180,5 +180,5 @@ def test_a_table_says_what_it_is(table: bytes, word: str, per_rev: int) -> None:
     assert steps_per_rev(table) == per_rev
     assert steps_per_rev(table, 400) == Fraction(2 * per_rev)
     assert describe_table(table) == (
-        f"{len(table)} entries: {word}, {per_rev} steps_per_rev for a 200-step motor"
+        f"{len(table)} entries: {word}s, {per_rev} steps_per_rev for a 200-step motor"
     )

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from fraese.motor.cards.control import NOTHING, READING, ControlLines, OutputPin
-from fraese.motor.phases import MOTRUN, MOTZERO, holding_table, motor_bits
+from fraese.motor.phases import MOTRUN, MOTZERO, holding_table, motor_bits, step_word
 from fraese.motor.pins import CONTROL_PINS
 from fraese.motor.seams import CONTROL, DATA, STATUS, Entries, Entry, IdleLevel
 
@@ -46,6 +46,7 @@ class SmcCard:
     Attributes:
         motors: how many.
         sockets: as given.
+        step_word: what one step of the table is called.
         table: drive table.
         hold_table: the bytes at ``IdleLevel.HOLD``; empty: off as well.
         lines: the control register.
@@ -70,6 +71,7 @@ class SmcCard:
         self.motors = motors = len(self.sockets)
         self.table = table
         self.hold_table = holding_table(table, holding_percent, levels) if holding_percent else b""
+        self.step_word = step_word(table)
         self.lines = ControlLines(0, outputs)
         self._index = [0] * motors
         self._directions = [0] * motors

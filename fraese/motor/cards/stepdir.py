@@ -61,6 +61,7 @@ class StepDirCard:
 
     #: All pulses have the leader's length, so a tick is not divided.
     beat_cycles = 0
+    step_word = "pulse"
 
     def __init__(
         self,
