@@ -1,29 +1,31 @@
 """The controller (FRAESE): UI-free. Commands in, callbacks out.
 
-Rule 1: everything runs in one thread, the one that calls ``run``. Only ``cancel``, ``stop``,
-        ``hold``, ``resume``, ``answer``, ``set_override`` and ``state`` may be called from another.
-Rule 2: callbacks are called from that thread. They may read ``state()`` and set those flags, no
-        more.
+Rule 1: everything runs in one thread, the one that calls ``run``. Only what is marked
+        ``any_thread`` may be called from another.
+Rule 2: callbacks are called from that thread. They may call what is marked so, no more.
 Rule 3: a refused command leaves everything as it was.
 Rule 4: what is known is known in one place: positions in ``position``, contacts in ``switches``,
         the queue in ``MotionQueue``, the status in ``RunLoop``. Here are only commands and facts.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
+from fraese.anythread import any_thread
 from fraese.config import Config
 from fraese.control import lines, softlimits
 from fraese.control.endswitches import EndSwitches
-from fraese.control.homing import Homing
+from fraese.control.homing import Homing, chosen
+from fraese.control.jobs import Job
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.position import Position
+from fraese.control.retract import Detour
 from fraese.control.runloop import RunLoop
 from fraese.control.savedstate import SavedState
-from fraese.control.state import MachineState, Status, WorkFacts
-from fraese.errors import FraeseError, LimitError
+from fraese.control.snapshot import snapshot
+from fraese.control.state import MachineState, Status
+from fraese.errors import FraeseError
 from fraese.log import LogFile, logged
 from fraese.machine import Machine, Steps
-from fraese.motor.pins import STATUS_PINS, levels
 from fraese.motor.seams import Clock, StepDriver
 
 
@@ -71,52 +73,140 @@ class Controller:
         self._loop = RunLoop(
             config, driver, clock, self._queue, self.position, self.switches, slice_s
         )
-        # The run loop's own methods, under the controller's name.
-        self.set_display = self._loop.set_display
-        self.set_show_pos = self._loop.set_show_pos
-        self.set_break_key = self._loop.set_break_key
-        self.set_tell = self._loop.set_tell
-        self.start = self._loop.start
-        self.run = self._loop.run
-        self.idle = self._loop.idle
-        self.acknowledge = self._loop.acknowledge
-        self.say = self._loop.say
-        # From any thread: straight to the flags.
-        self.cancel = self._loop.runner.cancel
-        self.stop = self._loop.runner.stop
-        self.hold = self._loop.runner.hold
-        self.resume = self._loop.runner.resume
-        self.answer = self._loop.runner.answer
+
+    # --- the run loop --------------------------------------------------------------------------
 
     @property
+    @any_thread
     def status(self) -> Status:
         """OK, RUN, CANCEL or ERROR."""
         return self._loop.status
 
     @property
+    @any_thread
     def error(self) -> FraeseError | None:
         """What the last job failed with, if it did."""
         return self._loop.error
 
     @property
+    @any_thread
     def question(self) -> str:
         """What the operator is asked now; empty if nothing."""
         return self._loop.runner.question
 
     @property
+    @any_thread
     def cancelling(self) -> bool:
         """The running job has been told to end; it may still be braking."""
         return self.status is Status.RUN and self._loop.runner.cancelling
 
     @property
+    @any_thread
     def holding(self) -> bool:
         """The running job has been told to wait; it may still be braking."""
         return self.status is Status.RUN and self._loop.runner.holding
+
+    def set_display(self, procedure: Callable[[], None]) -> None:
+        """Register the full display; called in the run loop's thread."""
+        self._loop.set_display(procedure)
+
+    def set_show_pos(self, procedure: Callable[[], None]) -> None:
+        """Register the position display; called in the run loop's thread after every slice."""
+        self._loop.set_show_pos(procedure)
+
+    def set_break_key(self, procedure: Callable[[], None]) -> None:
+        """Register the query for a break key; called in the run loop's thread after every slice."""
+        self._loop.set_break_key(procedure)
+
+    def set_tell(self, procedure: Callable[[str], None]) -> None:
+        """Register who is told what a person should know; called in the run loop's thread."""
+        self._loop.set_tell(procedure)
+
+    def start(
+        self,
+        name: str,
+        job: Job,
+        lines: int = 0,
+        expected_s: float = 0.0,
+        detour: Detour | None = None,
+    ) -> None:
+        """Take up a job; ``run`` works it off. See ``RunLoop.start``.
+
+        Raises:
+            StateError: if another one runs, or an error has not been acknowledged.
+        """
+        self._loop.start(name, job, lines, expected_s, detour)
+
+    def run(self) -> Status:
+        """Work off what was started, to motors at rest; how it ended."""
+        return self._loop.run()
+
+    def idle(self, elapsed_s: float = 0.0) -> None:
+        """Between jobs: look at the inputs, and switch the current off when its time has come."""
+        self._loop.idle(elapsed_s)
+
+    def acknowledge(self) -> None:
+        """Take note of an error or cancel; back to OK."""
+        self._loop.acknowledge()
+
+    def say(self, message: str) -> None:
+        """Show a message."""
+        self._loop.say(message)
 
     def close(self) -> None:
         """Motors off, port given back, log off (FraesEnd)."""
         self._driver.close()
         self.switch_log(False)
+
+    # --- orders: straight to the flags, from any thread ----------------------------------------
+
+    @any_thread
+    def cancel(self) -> None:
+        """Brake, then drop the rest of the job."""
+        self._loop.runner.cancel()
+
+    @any_thread
+    def stop(self) -> None:
+        """Finish the tick in hand, drop the rest of the job: no ramp."""
+        self._loop.runner.stop()
+
+    @any_thread
+    def hold(self) -> None:
+        """Brake and wait."""
+        self._loop.runner.hold()
+
+    @any_thread
+    def resume(self) -> None:
+        """Go on after a hold."""
+        self._loop.runner.resume()
+
+    @any_thread
+    def answer(self) -> None:
+        """The operator has done what was asked; nothing without a question."""
+        self._loop.runner.answer()
+
+    @any_thread
+    def set_override(self, factor: float) -> None:
+        """Feed override, 0.1 to 2.
+
+        A lower one acts at once, a higher one on what is not in the driver's queue yet.
+
+        Raises:
+            LimitError: if it is outside.
+        """
+        softlimits.require_override(factor)
+        self.override = factor
+        self._driver.set_override(factor)
+
+    @any_thread
+    def switch_log(self, on: bool) -> None:
+        """Log on or off.
+
+        Raises:
+            ConfigError: if the file cannot be written.
+        """
+        if self.log is not None:
+            self.log.switch(on)
 
     # --- commands ------------------------------------------------------------------------------
 
@@ -148,22 +238,10 @@ class Controller:
             StateError: if the machine is not ready, or stands on the switch it would move into.
         """
         self._loop.require_ready()
-        motor = self.machine.index(axis)
-        moved = self.machine.axes[motor]
-        if not distance_steps:
-            raise LimitError(
-                f"A jog must be at least one step of {moved.with_unit(moved.step_mm)}."
-            )
-        if abs(distance_steps) > moved.to_steps(self.config.jog.max_mm):
-            softlimits.require_jog(moved, moved.to_mm(distance_steps), self.config.jog.max_mm)
-        target = list(self.position.position_steps)
-        target[motor] += distance_steps
-        if clamp:
-            target[motor] = softlimits.within(self.position, motor, target[motor])
-        softlimits.require_reachable(self.position, [tuple(target)])
+        where, config, motor = self.position, self.config.jog, self.machine.index(axis)
+        target = softlimits.jog_target(where, motor, distance_steps, config.max_mm, clamp=clamp)
         watch = self.switches.watch_for_jog(motor, distance_steps)
-        feed_mm_min = self.config.jog.feed_mm_min
-        line = lines.line_to(self.position, tuple(target), feed_mm_min, watch)
+        line = lines.line_to(where, target, config.feed_mm_min, watch)
         self.start(f"jog {axis.upper()}", line)
 
     @logged
@@ -223,13 +301,7 @@ class Controller:
             StateError: if the machine is not ready.
         """
         homing = self.config.homing
-        order = [name for name in self.config.home_order if not axes or name in axes]
-        order += [name for name in axes if name not in order]
-        if not order:
-            raise LimitError(
-                "No axis has end switches: name those whose present place is to be their zero, as"
-                f" in home {self.machine.axes[0].name.upper()}."
-            )
+        order = chosen(self.config.home_order, axes, self.machine)
         measure = homing.measure if measure is None else measure
         job = Homing(homing, self.position, self.switches, self.say, measure).job(order)
         self.start("reference " + " ".join(name.upper() for name in order), job)
@@ -253,27 +325,6 @@ class Controller:
         """
         self._loop.require_not_running()
         self.switches.ignore(ignore)
-
-    def switch_log(self, on: bool) -> None:
-        """Log on or off; from any thread.
-
-        Raises:
-            ConfigError: if the file cannot be written.
-        """
-        if self.log is not None:
-            self.log.switch(on)
-
-    def set_override(self, factor: float) -> None:
-        """Feed override, 0.1 to 2; from any thread.
-
-        A lower one acts at once, a higher one on what is not in the driver's queue yet.
-
-        Raises:
-            LimitError: if it is outside.
-        """
-        softlimits.require_override(factor)
-        self.override = factor
-        self._driver.set_override(factor)
 
     def drive_points(
         self,
@@ -320,55 +371,24 @@ class Controller:
 
     def keep(self) -> SavedState:
         """What must survive a restart."""
-        return SavedState(
-            position_steps=self.position.position_steps,
-            slack_steps=self.position.slack_steps,
-            parameters=self.position.offsets.parameters,
-            referenced=self.position.referenced,
-            phases=self._queue.report.phases,
-            ends=self.switches.names(),
-        )
+        phases, ends = self._queue.report.phases, self.switches.names()
+        return SavedState.of(self.position, phases, ends)
 
     def take_up(self, kept: SavedState) -> None:
         """Go on where another run ended; the phases are the driver maker's business."""
-        self.position.take_up(
-            kept.position_steps, kept.slack_steps, kept.referenced, kept.parameters
-        )
+        kept.give_back(self.position)
         self.switches.take_up(kept.ends)
         self._queue.poll()
 
+    @any_thread
     def state(self) -> MachineState:
-        """Everything that can be shown, as it is now. From any thread."""
-        report, where, axes = self._queue.report, self.position, self.machine.axes
-        loop = self._loop
-        position_steps, frame = where.position_steps, where.frame
-        position_mm = self.machine.to_mm(position_steps)
-        return MachineState(
-            status=loop.status,
-            message=loop.message,
-            axes=tuple(axis.name for axis in axes),
-            position_steps=position_steps,
-            position_mm=position_mm,
-            work_mm=frame.to_work(position_mm),
-            offset_mm=frame.origin,
-            work=WorkFacts.of(frame, where.offsets.tool),
-            referenced=where.referenced,
-            low_mm=tuple(axis.low_mm for axis in axes),
-            high_mm=tuple(axis.high_mm for axis in axes),
-            speed_mm_min=self._queue.mm_s() * 60,
-            running=report.running,
-            held=loop.runner.held and loop.status is Status.RUN,
-            energised=report.energised,
-            switch_closed=report.switch_closed,
-            ends=self.switches.names(),
-            switch_ignored=self.switches.ignored,
-            inputs=levels(report.inputs, STATUS_PINS),
-            job=loop.progress(),
+        """Everything that can be shown, as it is now."""
+        return snapshot(
+            self._loop,
+            self._queue,
+            self.position,
+            self.switches,
             log_on=self.log is not None and self.log.is_on,
-            late_ticks=report.late_ticks,
-            dry_queues=report.dry_queues,
-            question=loop.runner.question,
             override=self.override,
-            units=tuple(axis.unit for axis in axes),
             step_word=self.step_word,
         )

@@ -17,6 +17,7 @@ Rule 4: a contact that lasts from one command to the next is the same contact: w
 from collections.abc import Sequence
 from typing import Final
 
+from fraese.anythread import any_thread
 from fraese.blocks import Watch, WatchAction
 from fraese.config import Config
 from fraese.config.wiring import ProbeConfig, SwitchesConfig
@@ -100,6 +101,7 @@ class EndSwitches:
         return self._report.switch_closed
 
     @property
+    @any_thread
     def ignored(self) -> bool:
         """Contacts do not stop the motors."""
         return self._ignored
@@ -111,8 +113,9 @@ class EndSwitches:
 
     # --- which end -----------------------------------------------------------------------------
 
+    @any_thread
     def ends(self, *, kept: bool = True) -> frozenset[End]:
-        """Ends that the present contact may be, in axis directions. From any thread.
+        """Ends that the present contact may be, in axis directions.
 
         Args:
             kept: believe what was known when the last command ended.
@@ -151,6 +154,7 @@ class EndSwitches:
         """As in the original: xmin, xmax, ..."""
         return self._machine.axes[end.motor].name + ("max" if end.sign > 0 else "min")
 
+    @any_thread
     def names(self) -> tuple[str, ...]:
         """Names of the ends that the present contact may be."""
         return tuple(self.name(end) for end in sorted(self.ends()))

@@ -25,11 +25,32 @@ from fraese.control.endswitches import EndSwitches
 from fraese.control.jobs import STANDSTILL, Ask, Job, Standstill
 from fraese.control.lines import axis_line
 from fraese.control.position import Position
-from fraese.errors import HomingError
-from fraese.machine import Axis
+from fraese.errors import HomingError, LimitError
+from fraese.machine import Axis, Machine
 from fraese.motor.seams import End, Ended, Report
 
 _Steps = Generator[Block | Standstill | Ask, Report, Report]
+
+
+def chosen(home_order: Sequence[str], axes: Sequence[str], machine: Machine) -> list[str]:
+    """The axes of a reference run, in its order.
+
+    Args:
+        home_order: of the axes with end switches, as configured.
+        axes: names; none: all with end switches.
+        machine: what axes there are.
+
+    Raises:
+        LimitError: if there is nothing to do.
+    """
+    order = [name for name in home_order if not axes or name in axes]
+    order += [name for name in axes if name not in order]
+    if not order:
+        raise LimitError(
+            "No axis has end switches: name those whose present place is to be their zero, as"
+            f" in home {machine.axes[0].name.upper()}."
+        )
+    return order
 
 
 class Homing:

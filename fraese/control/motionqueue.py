@@ -15,6 +15,7 @@ from collections import deque
 from collections.abc import Iterable
 from typing import Final, NamedTuple
 
+from fraese.anythread import any_thread
 from fraese.blocks import Block, remainder
 from fraese.control.endswitches import EndSwitches
 from fraese.control.position import Position
@@ -171,6 +172,7 @@ class MotionQueue:
             total_s -= first.duration_s * self.report.tick / first.ticks
         return total_s
 
+    @any_thread
     def mm_s(self) -> float:
-        """Speed along the path now; 0 at standstill. From any thread."""
+        """Speed along the path now; 0 at standstill."""
         return self.report.rate_hz * self._mm_per_tick

@@ -17,6 +17,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
+from fraese.anythread import any_thread
 from fraese.config import Config
 from fraese.control.endswitches import EndSwitches
 from fraese.control.jobs import Job
@@ -214,8 +215,9 @@ class RunLoop:
         self.message = message
         self._tell(message)
 
+    @any_thread
     def progress(self) -> JobProgress | None:
-        """The job in hand, or the last one as it ended. From any thread."""
+        """The job in hand, or the last one as it ended."""
         if self._progress is None or self.status is not Status.RUN:
             return self._progress
         return self._progress_now(self._progress)

@@ -10,6 +10,7 @@ Rule 3: a job ends in exactly one way: done, cancelled, stopped by a switch, or 
         ends, the queue is empty and the motors stand.
 """
 
+from fraese.anythread import any_thread
 from fraese.blocks import Block
 from fraese.control.jobs import Ask, Job, Standstill
 from fraese.control.motionqueue import MotionQueue
@@ -55,37 +56,44 @@ class Runner:
 
     # --- from any thread -----------------------------------------------------------------------
 
+    @any_thread
     def cancel(self) -> None:
         """Brake, then drop the rest."""
         self._cancel = True
         self._driver.brake()
 
+    @any_thread
     def stop(self) -> None:
         """Finish the tick in hand, drop the rest: no ramp."""
         self._stop = True
         self._driver.stop()
 
+    @any_thread
     def hold(self) -> None:
         """Brake and wait."""
         self._resume = False
         self._held = True
         self._driver.brake()
 
+    @any_thread
     def resume(self) -> None:
         """Go on after a hold."""
         self._resume = True
 
+    @any_thread
     def answer(self) -> None:
         """The operator has done what was asked; nothing without a question."""
         if self.question:
             self._answered = True
 
     @property
+    @any_thread
     def cancelling(self) -> bool:
         """A cancel or stop of this job was asked for."""
         return self._cancel or self._stop
 
     @property
+    @any_thread
     def holding(self) -> bool:
         """A hold of this job was asked for and not lifted."""
         return self._held and not self._resume
@@ -143,6 +151,7 @@ class Runner:
         return self.held or bool(self.question)
 
     @property
+    @any_thread
     def held(self) -> bool:
         """The motors stand, on the path or aside, and the job waits."""
         return self._queue.report.held or (self._aside is not None and self._aside.is_away)

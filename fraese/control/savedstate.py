@@ -8,12 +8,15 @@ Rule 2: while the machine may move the file says so. If it still says so at the 
 
 import json
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
+from fraese.control.position import Position
 from fraese.errors import ConfigError
+from fraese.machine import Steps
 from fraese.workframe import ACTIVE_SYSTEM, SYSTEMS
 
 STATE_FILE: Final = "state.json"
@@ -45,6 +48,22 @@ class SavedState(BaseModel):
     simulation: tuple[tuple[float, float, float, float], ...] = ()
     axes: tuple[str, ...] = ()
     moving: bool = False
+
+    @classmethod
+    def of(cls, where: Position, phases: Steps, ends: Sequence[str]) -> "SavedState":
+        """What is to be kept of a machine at standstill."""
+        return cls(
+            position_steps=where.position_steps,
+            slack_steps=where.slack_steps,
+            parameters=where.offsets.parameters,
+            referenced=where.referenced,
+            phases=phases,
+            ends=tuple(ends),
+        )
+
+    def give_back(self, where: Position) -> None:
+        """Let the axes stand where they were left."""
+        where.take_up(self.position_steps, self.slack_steps, self.referenced, self.parameters)
 
     @field_validator("parameters")
     @classmethod

@@ -39,7 +39,35 @@ def require_reachable(position: Position, targets: Iterable[Steps]) -> None:
                 )
 
 
-def within(position: Position, motor: int, target_steps: int) -> int:
+def jog_target(
+    position: Position, motor: int, distance_steps: int, longest_mm: float, *, clamp: bool
+) -> Steps:
+    """Where a jog of one axis leads.
+
+    Args:
+        position: where the axes are.
+        motor: which one.
+        distance_steps: signed.
+        longest_mm: no jog is longer.
+        clamp: stop at the soft limit instead of refusing.
+
+    Raises:
+        LimitError: if it would leave the travel, or is too long or nothing.
+    """
+    axis = position.machine.axes[motor]
+    if not distance_steps:
+        raise LimitError(f"A jog must be at least one step of {axis.with_unit(axis.step_mm)}.")
+    if abs(distance_steps) > axis.to_steps(longest_mm):
+        require_jog(axis, axis.to_mm(distance_steps), longest_mm)
+    target = list(position.position_steps)
+    target[motor] += distance_steps
+    if clamp:
+        target[motor] = _within(position, motor, target[motor])
+    require_reachable(position, [tuple(target)])
+    return tuple(target)
+
+
+def _within(position: Position, motor: int, target_steps: int) -> int:
     """The target, or the soft limit before it.
 
     Raises:

@@ -10,6 +10,7 @@ Rule 2: a report is made of what each part knows at that moment; nothing is kept
 Rule 3: on the way out the motors are off and the port is given back, whatever goes wrong.
 """
 
+from fraese.anythread import any_thread
 from fraese.blocks import Q8, Block
 from fraese.motor.horizon import DryPoint
 from fraese.motor.run import Run
@@ -79,16 +80,19 @@ class MotorCore:
         queue.accept(block, dry_point and dry_point.moved(queue.next_serial))
         self._run.governor.refilled()
 
+    @any_thread
     def brake(self) -> None:
-        """Close the throttle; the queue stays. From any thread."""
+        """Close the throttle; the queue stays."""
         self._requests.brake()
 
+    @any_thread
     def set_override(self, factor: float) -> None:
-        """Play what was planned with a higher feed override no faster. From any thread."""
+        """Play what was planned with a higher feed override no faster."""
         self._requests.override(round(factor * Q8))
 
+    @any_thread
     def stop(self) -> None:
-        """Finish the tick in hand, drop the rest. From any thread."""
+        """Finish the tick in hand, drop the rest."""
         self._requests.stop()
 
     def resume(self) -> None:

@@ -7,6 +7,7 @@ Rule 2: while it is calm, ticks are played as planned without a look at throttle
 Rule 3: a wish stands until the run has acted on it.
 """
 
+from fraese.anythread import any_thread
 from fraese.blocks import Q8
 from fraese.motor.seams import Ended
 
@@ -36,18 +37,21 @@ class Requests:
         self.stop_reason = Ended.STOP
         self.drop_when_still = False
 
+    @any_thread
     def brake(self) -> None:
-        """Close the throttle. From any thread."""
+        """Close the throttle."""
         self.brake_wanted = True
         self.calm = False
 
+    @any_thread
     def stop(self) -> None:
-        """Finish the tick in hand, drop the rest. From any thread."""
+        """Finish the tick in hand, drop the rest."""
         self.stop_wanted = True
         self.calm = False
 
+    @any_thread
     def override(self, override_q8: int) -> None:
-        """Limit what was planned with a higher one. From any thread."""
+        """Limit what was planned with a higher one."""
         self.override_q8 = override_q8
         self.calm = False
 

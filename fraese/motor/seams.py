@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final, NamedTuple, Protocol
 
+from fraese.anythread import any_thread
 from fraese.blocks import Block
 
 #: The three registers of a parallel port, by their offset. Plain integers: they index a tuple of
@@ -230,12 +231,14 @@ class StepDriver(Protocol):
     def poll(self, budget_s: float) -> Report:
         """Play for at most that long, in the driver's clock, and say where things stand."""
 
+    @any_thread
     def brake(self) -> None:
         """Close the throttle; the queue stays."""
 
     def resume(self) -> None:
         """Open the throttle again."""
 
+    @any_thread
     def set_override(self, factor: float) -> None:
         """Play what was planned with a higher feed override no faster than with this one."""
 
@@ -246,6 +249,7 @@ class StepDriver(Protocol):
             StateError: while steps are being made.
         """
 
+    @any_thread
     def stop(self) -> None:
         """Finish the tick in hand, drop the rest."""
 

@@ -19,6 +19,7 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from typing import Final
 
+from fraese.anythread import any_thread
 from fraese.blocks import CYCLES_PER_S, Q8, Block
 from fraese.errors import PortError, StateError
 from fraese.motor.blockqueue import require_sound
@@ -141,17 +142,20 @@ class BridgeDriver:
                 self._see_to_start(session)
         return picture.report(self._capacity, self._outbox.room_blocks)
 
+    @any_thread
     def brake(self) -> None:
-        """Close the throttle; the queue stays. From any thread."""
+        """Close the throttle; the queue stays."""
         self._shout(c.URGENT_BRAKE)
 
+    @any_thread
     def stop(self) -> None:
-        """Finish the tick in hand, drop the rest. From any thread."""
+        """Finish the tick in hand, drop the rest."""
         self._stopping = True
         self._shout(c.URGENT_STOP)
 
+    @any_thread
     def set_override(self, factor: float) -> None:
-        """Play what was planned with a higher feed override no faster. From any thread."""
+        """Play what was planned with a higher feed override no faster."""
         self._override_q8 = min(_MOST_OVERRIDE_Q8, round(factor * Q8))
 
     def resume(self) -> None:

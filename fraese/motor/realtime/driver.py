@@ -18,6 +18,7 @@ import time
 from dataclasses import replace
 from typing import Final
 
+from fraese.anythread import any_thread
 from fraese.blocks import Q8, Block
 from fraese.errors import PortError
 from fraese.motor.blockqueue import require_sound
@@ -93,16 +94,19 @@ class RealtimeDriver:
         session.know(told.generation)
         return self._report(told)
 
+    @any_thread
     def brake(self) -> None:
-        """Close the throttle; the queue stays. From any thread."""
+        """Close the throttle; the queue stays."""
         self._session.wish(BRAKES)
 
+    @any_thread
     def stop(self) -> None:
-        """Finish the tick in hand, drop the rest. From any thread."""
+        """Finish the tick in hand, drop the rest."""
         self._session.wish(STOPS)
 
+    @any_thread
     def set_override(self, factor: float) -> None:
-        """Play what was planned with a higher feed override no faster. From any thread."""
+        """Play what was planned with a higher feed override no faster."""
         self._override_q8 = round(factor * Q8)
         self._session.wish(OVERRIDE, self._override_q8)
 

@@ -1,0 +1,27 @@
+"""What may be called from any thread is marked where it is defined.
+
+Everything else belongs to one thread: the one that runs the controller. A marked method sets flags
+or reads what is replaced whole, so that it needs no lock and waits for nobody. The mark costs
+nothing and does nothing; a test calls every marked method of the controller from another thread
+and sees which attributes it sets.
+"""
+
+from collections.abc import Callable
+from typing import Final, TypeVar
+
+F = TypeVar("F", bound=Callable[..., object])
+
+_MARK: Final = "__any_thread__"
+
+
+def any_thread(function: F) -> F:
+    """Mark a function that may be called from any thread."""
+    function.__dict__[_MARK] = True
+    return function
+
+
+def is_any_thread(function: object) -> bool:
+    """Whether a function, or the getter of a property, is marked."""
+    if isinstance(function, property):
+        function = function.fget
+    return _MARK in getattr(function, "__dict__", {})

@@ -1,0 +1,69 @@
+"""One look at the machine: what the controller's parts know, as one frozen fact.
+
+Rule 1: from any thread. Every part replaces whole what is read here; a look is of one report, but
+        what the operator has just ordered may show in it before the motors know.
+"""
+
+from fraese.anythread import any_thread
+from fraese.control.endswitches import EndSwitches
+from fraese.control.motionqueue import MotionQueue
+from fraese.control.position import Position
+from fraese.control.runloop import RunLoop
+from fraese.control.state import MachineState, Status, WorkFacts
+from fraese.motor.pins import STATUS_PINS, levels
+
+
+@any_thread
+def snapshot(
+    loop: RunLoop,
+    queue: MotionQueue,
+    where: Position,
+    switches: EndSwitches,
+    *,
+    log_on: bool,
+    override: float,
+    step_word: str,
+) -> MachineState:
+    """Everything that can be shown, as it is now.
+
+    Args:
+        loop: status, job, message.
+        queue: the driver's last report.
+        where: positions and references.
+        switches: what the inputs mean.
+        log_on: the log is being written.
+        override: feed override, a factor.
+        step_word: what the card calls one step.
+    """
+    report, axes = queue.report, where.machine.axes
+    position_steps, frame = where.position_steps, where.frame
+    position_mm = where.machine.to_mm(position_steps)
+    return MachineState(
+        status=loop.status,
+        message=loop.message,
+        axes=tuple(axis.name for axis in axes),
+        position_steps=position_steps,
+        position_mm=position_mm,
+        work_mm=frame.to_work(position_mm),
+        offset_mm=frame.origin,
+        work=WorkFacts.of(frame, where.offsets.tool),
+        referenced=where.referenced,
+        low_mm=tuple(axis.low_mm for axis in axes),
+        high_mm=tuple(axis.high_mm for axis in axes),
+        speed_mm_min=queue.mm_s() * 60,
+        running=report.running,
+        held=loop.runner.held and loop.status is Status.RUN,
+        energised=report.energised,
+        switch_closed=report.switch_closed,
+        ends=switches.names(),
+        switch_ignored=switches.ignored,
+        inputs=levels(report.inputs, STATUS_PINS),
+        job=loop.progress(),
+        log_on=log_on,
+        late_ticks=report.late_ticks,
+        dry_queues=report.dry_queues,
+        question=loop.runner.question,
+        override=override,
+        units=tuple(axis.unit for axis in axes),
+        step_word=step_word,
+    )
