@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from bench.mutants.mutant import Mutant
+from bench.mutants.mutant import Mutant, tests_of
 
 _F: Final = "firmware/"
 _EVENTS: Final = "tests/bridge/test_events.py"
@@ -89,7 +89,7 @@ MUTANTS: Final = (
         _F + "run.c",
         "        card_forget_safe_outputs();\n",
         "",
-        ("tests/program/test_laser.py",),
+        tests_of("bridge/test_driver.py", "TestLaser"),
         limit_s=300,
     ),
     Mutant(
@@ -97,8 +97,8 @@ MUTANTS: Final = (
         "a damaged block makes fewer steps than it says",
         _F + "reader.c",
         "(is_last && !is_whole)",
-        "false",
-        ("tests/bridge/test_device.py",),
+        "(is_last && !is_whole && false)",
+        tests_of("bridge/test_device.py", "test_a_block_that_does_not_add_up_stops_the_run"),
         limit_s=300,
     ),
 )

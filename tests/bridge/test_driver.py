@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import pytest
 
-from fraese.blocks import Piece, Watch, WatchAction
+from fraese.blocks import Outputs, Piece, Watch, WatchAction
 from fraese.errors import PortError
 from fraese.motor.seams import Ended, Report
 from tests.bridge.device import reason_to_skip
@@ -119,6 +119,26 @@ class TestQueue:
         way = again.position_steps[0] - held.position_steps[0]
         assert way == pytest.approx(held.position_steps[0], abs=130)
         assert not again.torn
+
+
+class TestLaser:
+    @pytest.mark.parametrize("way", ["stop", "flush"])
+    def test_what_ended_early_does_not_switch_it_on_again(self, way: str) -> None:
+        bench = FirmwareBench("smc", safe_outputs=0b10)
+        bench.driver.push(line(3000)._replace(outputs=Outputs(0b11, 0b11)))
+        bench.driver.poll(0.3)
+        assert bench.outputs_on() == {0, 1}
+        if way == "stop":
+            bench.driver.stop()
+            run(bench)
+        else:
+            bench.driver.brake()
+            run(bench)
+            bench.driver.flush()
+        assert bench.outputs_on() == {0}
+        bench.driver.push(line(400))
+        assert bench.driver.poll(0.1).running
+        assert bench.outputs_on() == {0}
 
 
 class TestContacts:
