@@ -16,7 +16,8 @@ from fractions import Fraction
 from typing import Final, Literal
 
 from fraese.config import Config
-from fraese.config.axes import VERTICAL, AxisConfig
+from fraese.config.axes import VERTICAL
+from fraese.config.axis import AxisConfig
 
 Steps = tuple[int, ...]
 Millimetres = tuple[float, ...]

@@ -13,8 +13,7 @@ MUTANTS: Final = (
         "fraese/cli/__init__.py",
         "        before_motion=lambda: plant.save(moving=True),\n",
         "",
-        ("tests/ui/test_moving.py", "tests/cli/test_cli.py"),
-        limit_s=900,
+        tests_of("cli/test_app.py", "test_the_state_says_that_the_machine_moves_before_it_moves"),
     ),
     Mutant(
         "app/link: an order is not announced",
@@ -46,7 +45,11 @@ MUTANTS: Final = (
         _U + "app.py",
         "self._heard.moving or self.link.moving\n            self.link.brake()\n",
         "self._heard.moving or self.link.moving\n",
-        ("tests/ui/test_stopkey.py", "tests/ui/test_moving.py"),
+        tests_of(
+            "ui/test_stopkey.py",
+            "test_what_was_pressed_before_it_does_not_move_for_long",
+            "test_what_was_ordered_before_it_and_has_not_begun_never_moves",
+        ),
     ),
     Mutant(
         "app/app: a terminal that goes away is not seen",
@@ -54,6 +57,9 @@ MUTANTS: Final = (
         _U + "app.py",
         "        if not os.isatty(sys.__stdin__.fileno() if sys.__stdin__ else 0):\n",
         "        if False:\n",
-        ("tests/ui/test_terminal.py",),
+        tests_of(
+            "ui/test_terminal.py",
+            "test_a_terminal_that_goes_away_without_a_signal_ends_the_app_too",
+        ),
     ),
 )

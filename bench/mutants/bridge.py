@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from bench.mutants.mutant import Mutant
+from bench.mutants.mutant import Mutant, tests_of
 
 _B: Final = "fraese/motor/bridge/"
 _T: Final = "tests/bridge/"
@@ -89,7 +89,10 @@ MUTANTS: Final = (
         _B + "session.py",
         "if link.heard != heard and link.answered >= ticket:",
         "if link.status is not None:",
-        (_T + "test_session.py", *_DRIVER),
+        tests_of(
+            "bridge/test_driver.py",
+            "TestQueue::test_more_than_the_ring_holds_is_kept_here_and_played_in_order",
+        ),
     ),
     Mutant(
         "bridge/session: a silent device is waited for",
@@ -114,7 +117,7 @@ MUTANTS: Final = (
         _B + "account.py",
         "            self._by_serial.pop(self._sent.pop().serial, None)\n",
         "            self._sent.pop()\n",
-        (_T + "test_driver.py::TestQueue",),
+        tests_of("bridge/test_driver.py", "TestQueue::test_stop_drops_what_is_still_on_its_way"),
     ),
     Mutant(
         "bridge/account: motors ahead in their tick are not counted",
@@ -146,7 +149,11 @@ MUTANTS: Final = (
         _B + "driver.py",
         "            if self._picture.account.queued:\n",
         "            if False:\n",
-        _DRIVER,
+        tests_of(
+            "bridge/test_driver.py",
+            "TestQueue::test_stop_drops_what_is_still_on_its_way",
+            "TestQueue::test_stop_at_standstill_drops_what_was_pushed",
+        ),
     ),
     Mutant(
         "bridge/driver: the stream goes on after a drop",
@@ -154,7 +161,7 @@ MUTANTS: Final = (
         _B + "driver.py",
         "link.epoch = status.ack.epoch\n            session.link.drop_stream()\n",
         "link.epoch = status.ack.epoch\n",
-        _DRIVER,
+        tests_of("bridge/test_driver.py", "TestQueue::test_stop_drops_what_is_still_on_its_way"),
     ),
     Mutant(
         "bridge/driver: a resume overtakes a brake",
@@ -162,7 +169,7 @@ MUTANTS: Final = (
         _B + "driver.py",
         "            self._confirm_shouts(session)\n            session.command(c.KIND_RESUME)\n",
         "            session.command(c.KIND_RESUME)\n",
-        (*_DRIVER, "tests/contracts/test_step_driver.py"),
+        tests_of("bridge/test_driver.py", "TestBrake"),
     ),
     Mutant(
         "bridge/outbox: limits are not said again after a drop",
@@ -170,7 +177,9 @@ MUTANTS: Final = (
         _B + "outbox.py",
         '        """The queue was dropped."""\n        self._carried = _UNKNOWN\n',
         '        """The queue was dropped."""\n',
-        _DRIVER,
+        tests_of(
+            "bridge/test_driver.py", "TestQueue::test_limits_are_known_after_a_queue_was_dropped"
+        ),
     ),
     Mutant(
         "bridge/outbox: the horizon outlives standstill",
@@ -178,7 +187,7 @@ MUTANTS: Final = (
         _B + "outbox.py",
         "        self._horizon.reset()\n",
         "        pass\n",
-        _DRIVER,
+        tests_of("bridge/test_driver.py", "TestQueue"),
     ),
     Mutant(
         "bridge/records: the start/stop rate is the block's own",
@@ -186,7 +195,7 @@ MUTANTS: Final = (
         _B + "records.py",
         "return max(1, block.jump_rate_q8, isqrt(block.accel_q * _FROM_REST) >> 2)",
         "return max(1, block.jump_rate_q8)",
-        (_T + "test_codec.py", _T + "test_conformance.py"),
+        tests_of("bridge/test_codec.py", "test_limits_are_those_that_the_throttle_works_with"),
     ),
     Mutant(
         "bridge/greeting: motors left moving are not braked",
@@ -194,7 +203,10 @@ MUTANTS: Final = (
         _B + "greeting.py",
         "        if reply.moving:\n            reply = yield from self._calmed(session)\n",
         "",
-        _DRIVER,
+        tests_of(
+            "bridge/test_driver.py",
+            "TestLives::test_a_host_that_comes_back_to_moving_motors_brakes_them",
+        ),
     ),
     Mutant(
         "bridge/greeting: any version will do",

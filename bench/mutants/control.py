@@ -204,7 +204,7 @@ MUTANTS: Final = (
         _C + "endswitches.py",
         "        return self.watch(closed=False, action=WatchAction.IGNORE)\n",
         "        return None\n",
-        _CONTROLLER,
+        tests_of("control/test_controller.py", "test_a_contact_is_an_alarm_that_names_its_end"),
     ),
     Mutant(
         "control/endswitches: a jog further into a switch is let through",
@@ -212,7 +212,11 @@ MUTANTS: Final = (
         _C + "endswitches.py",
         "if End(motor, sign) in ends or End(motor, -sign) not in ends:",
         "if False:",
-        _CONTROLLER,
+        tests_of(
+            "control/test_controller.py",
+            "test_a_contact_is_an_alarm_that_names_its_end",
+            "test_a_switch_pressed_since_the_last_look_is_seen_before_moving",
+        ),
     ),
     Mutant(
         "control/motionqueue: one block too few is finished",
@@ -228,7 +232,11 @@ MUTANTS: Final = (
         _C + "motionqueue.py",
         "equal = equal + 1 if self.poll().inputs == before else 0",
         "equal = equal + 1 if self.poll() else 0",
-        (*_CONTROLLER, "tests/control/test_played.py"),
+        tests_of(
+            "control/test_controller.py",
+            "test_a_switch_pressed_since_the_last_look_is_seen_before_moving",
+            "test_a_contact_is_an_alarm_that_names_its_end",
+        ),
     ),
     Mutant(
         "control/runloop: the queue is shorter than the braking time",
@@ -236,6 +244,6 @@ MUTANTS: Final = (
         _C + "runloop.py",
         "lead_s = max(config.run.lead_s, braking_s + 2 * slice_s)",
         "lead_s = config.run.lead_s",
-        _CONTROLLER,
+        tests_of("control/test_controller.py", "test_late_ticks_and_dry_queues_are_owned_up_to"),
     ),
 )

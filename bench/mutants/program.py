@@ -81,9 +81,9 @@ MUTANTS: Final = (
         tests_of("program/test_program.py", "test_after_a_probe_nothing_goes_further_in"),
     ),
     Mutant(
-        "config/axes: a start/stop rate above the highest rate",
+        "config/axis: a start/stop rate above the highest rate",
         "motors are started faster than they can turn",
-        "fraese/config/axes.py",
+        "fraese/config/axis.py",
         "if self.start_rate_hz > self.max_rate_hz:",
         "if False:",
         ("tests/config/test_config.py",),

@@ -5,7 +5,8 @@ from fractions import Fraction
 
 from pydantic import Field, field_validator, model_validator
 
-from fraese.config.axes import VERTICAL, AxesConfig, AxisConfig
+from fraese.config.axes import VERTICAL, AxesConfig
+from fraese.config.axis import AxisConfig
 from fraese.config.section import Section
 from fraese.config.simulation import SimulationConfig
 from fraese.config.wiring import (

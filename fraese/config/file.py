@@ -17,7 +17,8 @@ import platformdirs
 import tomlkit
 from pydantic import ValidationError
 
-from fraese.config.axes import AxesConfig, LinearAxis, RotaryAxis
+from fraese.config.axes import AxesConfig
+from fraese.config.axis import LinearAxis, RotaryAxis
 from fraese.config.config import Config
 from fraese.config.section import Section
 from fraese.config.work import ToolConfig

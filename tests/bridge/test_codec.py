@@ -26,6 +26,7 @@ from fraese.motor.bridge.records import (
     effective_jump_q8,
     record,
 )
+from fraese.motor.cursor import Cursor
 from tests.bridge.model import STATUS_LENGTH
 from tests.bridge.recordreader import RecordReader
 
@@ -137,6 +138,15 @@ def test_a_block_of_a_stream_is_short() -> None:
     data = record(block, carried_after(before, Carried()), Dry(3, 60))
     assert len(data) == 16
     assert len(data) - 3 == 13
+
+
+@pytest.mark.parametrize("jump_rate_q8", [0, 1, 256, 300_000])
+@pytest.mark.parametrize("accel_q", [1, 3840, 10_000_000])
+def test_limits_are_those_that_the_throttle_works_with(jump_rate_q8: int, accel_q: int) -> None:
+    """A start/stop rate of next to nothing would mean minutes for the last tick of a hold."""
+    block = Block((5, 0, 0), (Piece(5, 1 << 20),), accel_q=accel_q, jump_rate_q8=jump_rate_q8)
+    (received,) = RecordReader(3).feed(record(block, Carried(), None))
+    assert received.block.jump_rate_q8 == Cursor(block).jump_rate_q8
 
 
 def test_too_many_ticks_are_refused() -> None:

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fraese.assembly import Plant
-from fraese.config.axes import LinearAxis
+from fraese.config.axis import LinearAxis
 from fraese.control.state import Status
 from fraese.errors import LimitError, PortError, SilenceAlarm, StateError, StopAlarm
 from fraese.machine import Machine
