@@ -174,7 +174,7 @@ def test_dialogs_fit_with_four_axes(key: str) -> None:
             await b.pilot.pause(0.1)
             assert clipped(b) == []
             for box in b.app.screen.query(Checkbox):
-                assert box.size.width >= len(str(box.label)) + 4
+                assert box.size.width >= len(str(box.label)) + 6
 
     play(scene)
 

@@ -155,23 +155,26 @@ def test_what_was_pressed_before_it_and_comes_later_is_not_done(keys: list[str])
 
 
 @pytest.mark.parametrize("early", [True, False])
-def test_jog_keys_work_again_after_a_jog_that_it_dropped(early: bool) -> None:
+def test_jog_keys_work_again_after_it_dropped_one_that_waited(early: bool) -> None:
     async def scene() -> None:
-        gate = threading.Event()
-        async with bench(before_motion=lambda: gate.wait(60)) as b:
+        config = Config.model_validate({"jog": {"feed_mm_min": 60}})
+        async with bench(clock="paced", config=config) as b:
+            await b.press("5", "right")
+            await b.wait(lambda: b.plant.controller.state().running)
             if early:
-                jog = Key("right", None)
-                jog._set_forwarded()
-                b.app.post_message(jog)
+                second = Key("right", None)
+                second._set_forwarded()
+                b.app.post_message(second)
                 press_without_app(b, "ctrl+c")
                 await the_app_has_come_to_it(b)
             else:
-                await b.press("right", "right", "ctrl+c")
-            gate.set()
+                await b.press("right", "ctrl+c")
             await b.settled()
-            assert b.moved_steps == (0, 0, 0)
+            stood = b.moved_steps[0]
+            assert 0 < stood < 1900
+            await b.press("3")
             await b.jog("right")
-            assert b.moved_steps == (200, 0, 0)
+            assert b.moved_steps[0] == stood + 20
 
     play(scene)
 
