@@ -52,6 +52,16 @@ MUTANTS: Final = (
         ),
     ),
     Mutant(
+        "app/app: keys that the stop key overtook are done after it",
+        "a jog or start that was pressed just before the stop key is made after it",
+        _U + "app.py",
+        "                if event.time < self._stopped_s:\n",
+        "                if False:\n",
+        tests_of(
+            "ui/test_stopkey.py", "test_what_was_pressed_before_it_and_comes_later_is_not_done"
+        ),
+    ),
+    Mutant(
         "app/app: a terminal that goes away is not seen",
         "the machine runs on with nobody at a stop key",
         _U + "app.py",

@@ -131,6 +131,19 @@ def test_what_turns_is_shown_in_degrees() -> None:
     play(scene)
 
 
+def test_an_axis_without_switches_is_referenced_where_it_stands() -> None:
+    async def scene() -> None:
+        async with bench(config=FOUR) as b:
+            await b.jog("home")
+            await b.press("r", "x", "y", "z", "a", "enter")
+            await b.settled()
+            assert b.app.machine_state.referenced == (False, False, False, True)
+            assert b.app.machine_state.position_mm[3] == 0
+            assert b.moved_steps[:3] == (0, 0, 0)
+
+    play(scene)
+
+
 @pytest.mark.parametrize("axes", ["x", "xy", "xyza", "abcw"])
 @pytest.mark.parametrize("size", SIZES)
 def test_every_picture_fits(axes: str, size: tuple[int, int]) -> None:
@@ -174,7 +187,8 @@ def test_dialogs_fit_with_four_axes(key: str) -> None:
             await b.pilot.pause(0.1)
             assert clipped(b) == []
             for box in b.app.screen.query(Checkbox):
-                assert box.size.width >= len(str(box.label)) + 6
+                size = b.app.screen.size
+                assert box.content_size.width >= box.get_content_width(size, size)
 
     play(scene)
 
