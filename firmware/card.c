@@ -72,6 +72,14 @@ bool card_take_table(uint8_t which, const uint8_t *entries, uint8_t length)
     return true;
 }
 
+/* Clock and direction: both data bits of a motor. What is no such pair means that it has its place. */
+static uint8_t pair_of(uint8_t motor, uint8_t bits)
+{
+    uint8_t clock = bits & 0xAA;
+    bool is_pair = clock && !(clock & (uint8_t)(clock - 1)) && bits == (clock | clock >> 1);
+    return is_pair ? bits : (uint8_t)(3 << 2 * motor);
+}
+
 bool card_load(const uint8_t *bytes)
 {
     const struct card_facts *facts = (const struct card_facts *)bytes;
@@ -80,6 +88,8 @@ bool card_load(const uint8_t *bytes)
         return false;
     card.facts = *facts;
     for (uint8_t motor = 0; motor < MOTORS_MAX; motor++) {
+        if (facts->type == CARD_CLOCKS)
+            card.facts.motor_bits[motor] = pair_of(motor, facts->motor_bits[motor]);
         tracks.motor[motor].low = DATA_LOW(facts->motor_bits[motor] & 0xC0);
         tracks.motor[motor].bit = (uint8_t)_BV(motor);
         tracks.motor[motor].phase = 0;

@@ -35,7 +35,7 @@ struct card_facts {
     struct output output[4];
     uint8_t safe;
     uint8_t enable;
-    uint8_t motor_bits[MOTORS_MAX];
+    uint8_t motor_bits[MOTORS_MAX]; /* clock and direction: the motor's two data bits */
     uint8_t off;
     uint8_t holds;
     uint16_t pulse_cycles;

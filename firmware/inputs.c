@@ -161,14 +161,14 @@ void inputs_end_block(void)
     set_quiet();
 }
 
-/* Clock lines are known by their bits of the data byte, 2k + 1 for motor k. */
+/* Clock lines are known by their bits of the data byte. */
 static uint8_t motors_of_beat(void)
 {
     if (card.facts.type == CARD_PHASES)
         return beat.mask;
     uint8_t motors = 0;
     for (uint8_t motor = 0; motor < MOTORS_MAX; motor++)
-        if (beat.mask & (2 << 2 * motor))
+        if (beat.mask & card.facts.motor_bits[motor])
             motors |= (uint8_t)_BV(motor);
     return motors;
 }

@@ -243,7 +243,7 @@ static const uint8_t widths[] = {1, 2, 4, 4};
 static void set_mover(struct mover *mover, uint8_t motor, bool forward)
 {
     if (card.facts.type == CARD_CLOCKS) {
-        mover->at = (uint8_t)(2 << 2 * motor);
+        mover->at = card.facts.motor_bits[motor] & 0xAA;
         mover->delta = (int8_t)_BV(motor);
         return;
     }
@@ -304,12 +304,15 @@ static void set_minors(struct block *block, const ticks_t steps[])
 /* Direction bits of the motors that move; the others keep theirs. */
 static void set_data(struct block *block)
 {
-    uint8_t data = reading.data, line = 1, highs = block->forward;
+    uint8_t data = reading.data, highs = block->forward;
+    const uint8_t *bits = card.facts.motor_bits;
     if (!card.facts.forward_high)
         highs = ~highs;
-    for (uint8_t bit = 1; bit < _BV(MOTORS_MAX); bit <<= 1, line <<= 2)
+    for (uint8_t bit = 1; bit < _BV(MOTORS_MAX); bit <<= 1, bits++) {
+        uint8_t line = *bits & 0x55;
         if (block->moving & bit)
             data = highs & bit ? data | line : data & (uint8_t)~line;
+    }
     if (data != reading.data)
         block->is_plain = false; /* directions turn */
     block->data = reading.data = data;

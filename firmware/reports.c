@@ -14,7 +14,7 @@
 #include "throttle.h"
 
 #define FIRMWARE_MAJOR 1
-#define FIRMWARE_MINOR 0
+#define FIRMWARE_MINOR 1
 
 static uint8_t reset_reason;
 static uint16_t boots;

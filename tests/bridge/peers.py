@@ -81,16 +81,16 @@ PHASES: Final = Kind(
 )  # fmt: skip
 
 
-def clock_kind(profile: str) -> Kind:
+def clock_kind(profile: str, sockets: tuple[int, ...] = (0, 1, 2, 3)) -> Kind:
     """Clock and direction on four motors, with two outputs."""
     row = STEPDIR_PROFILES[profile]
     return Kind(
-        lambda: StepDirCard(row, outputs=(OutputPin(1), OutputPin(14))),
+        lambda: StepDirCard(row, outputs=(OutputPin(1), OutputPin(14)), sockets=sockets),
         CardFacts(
             c.CARD_CLOCKS, 4, control_rest=0b1011, active=Line(0b1000, 0),
             boost=Line(0b0100, 0b0100), outputs=(Line(0b0001, 0), Line(0b0010, 0)),
             pulse_cycles=row.pulse_cycles, setup_cycles=row.setup_cycles,
-            settle_cycles=SETTLE_CYCLES,
+            settle_cycles=SETTLE_CYCLES, motor_bits=tuple(3 << 2 * socket for socket in sockets),
         ),
     )  # fmt: skip
 

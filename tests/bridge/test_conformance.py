@@ -174,3 +174,9 @@ def test_paper_drives(blocks: list[Block]) -> None:
 @given(blocks=queues(SLOW_CLOCKS))
 def test_x4step_drives(blocks: list[Block]) -> None:
     play_both(clock_kind("x4step"), blocks)
+
+
+@_SLOW
+@given(blocks=queues(SLOW_CLOCKS))
+def test_drives_in_other_sockets(blocks: list[Block]) -> None:
+    play_both(clock_kind("x4step", sockets=(2, 0, 3, 1)), blocks)

@@ -1,12 +1,20 @@
 """One connection and its patience: a model of the device, virtual time, pauses of the host."""
 
+from dataclasses import replace
+from typing import Any
+
 import pytest
 
 from fraese.errors import PortError
 from fraese.motor.bridge import constants as c
+from fraese.motor.bridge.cards import CardFacts
 from fraese.motor.bridge.codec import Hello
+from fraese.motor.bridge.connection import Connection
+from fraese.motor.bridge.fromcard import card_facts
 from fraese.motor.bridge.session import DEAF_S, STUCK_S, Session
+from fraese.motor.cards.stepdir import StepDirCard
 from fraese.motor.clock import VirtualClock
+from fraese.motor.switches import SwitchInput
 from tests.bridge.model import RING, SESSION, Model
 
 ANSWER_S = 0.001
@@ -109,3 +117,27 @@ def test_silence_counts_only_while_it_is_listened_to() -> None:
     with pytest.raises(PortError, match="does not answer any more"):
         talk.session.ask()
     assert (talk.clock.now_ns() - since_ns) / NS_PER_S == pytest.approx(10 + DEAF_S, abs=0.1)
+
+
+def test_firmware_that_cannot_swap_motors_is_told_apart() -> None:
+    """Before 1.1 a socket of clock and direction is known by its motor only."""
+    facts = card_facts(
+        StepDirCard(sockets=(1, 0)),
+        SwitchInput(0x80, 0, 3),
+        settle_cycles=0,
+        safe_outputs=0,
+        silence_ms=0,
+    )
+    assert facts.motor_bits == (0x0C, 0x03)
+
+    def connection(facts: CardFacts) -> Connection:
+        return Connection(nowhere, VirtualClock(), facts, "ttyX", 250_000, 1.0)
+
+    with pytest.raises(PortError, match=r"firmware 1.0, which cannot swap motors: give every"):
+        connection(facts)._require_sockets(HELLO)
+    connection(facts)._require_sockets(replace(HELLO, firmware=(1, 1)))
+    connection(replace(facts, motor_bits=(0x03, 0x0C)))._require_sockets(HELLO)
+
+
+def nowhere(*_: object) -> Any:
+    raise AssertionError("nobody opens this line")

@@ -192,3 +192,42 @@ def test_a_port_that_says_nothing_is_no_bridge(tmp_path: Path) -> None:
     assert said.returncode == 1
     assert "Nobody answers on /dev/pts/" in said.stderr
     assert said.stderr.count("\n") == 1
+
+
+FOUR_AXES = """
+[port]
+kind = "bridge"
+device = "{device}"
+[card]
+kind = "stepdir"
+[axes]
+names = ["x", "y", "z", "a"]
+[axes.x]
+travel_mm = 8
+motor = 3
+[axes.y]
+travel_mm = 8
+inverted = true
+motor = 4
+[axes.z]
+travel_mm = 8
+motor = 1
+[axes.a]
+gear = "10"
+motor = 2
+"""
+
+
+def test_four_axes_whose_motors_are_swapped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tests.bridge.test_stack.SETTINGS", FOUR_AXES)
+    stack = Stack(tmp_path)
+    with stack.mill:
+        zero = stack.mill.carriages_steps()
+        moved = stack.run("move", "X1", "Y2", "Z-1.5", "A-90", "--json")
+        assert moved.returncode == 0, moved.stdout + moved.stderr
+        assert json.loads(moved.stdout)["status"] == "done"
+        steps = [b - a for a, b in zip(zero, stack.mill.carriages_steps(), strict=True)]
+        # The reset of the board may give a drive a stray pulse or two.
+        assert steps == pytest.approx([200, -400, -300, -1000], abs=2)

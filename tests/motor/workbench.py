@@ -150,11 +150,13 @@ class Workbench:
     #: From a switch to the mechanical end behind it.
     overrun_steps: int = 400
     travel_steps: int = TRAVEL_STEPS
+    #: Where the motors are plugged in, in motor order.
+    sockets: tuple[int, ...] = tuple(range(MOTORS))
     clock: Clock = field(default_factory=VirtualClock)
 
     def __post_init__(self) -> None:
         self.mill = Mill(
-            [Slide(self.travel_steps, self.limits, self.overrun_steps)] * MOTORS,
+            [Slide(self.travel_steps, self.limits, self.overrun_steps)] * len(self.sockets),
             lag_s=self.lag_s,
             bounce_readings=self.bounce_readings,
         )
@@ -175,15 +177,19 @@ class Workbench:
     def _electronics_and_card(self) -> tuple[Electronics, Card]:
         if self.wiring == "smc":
             return (
-                SmcElectronics(self.mill, self.clock, LEVEL_MAPS["field"]),
-                SmcCard(self.table, outputs=SMC_OUTPUTS if self.outputs else ()),
+                SmcElectronics(self.mill, self.clock, LEVEL_MAPS["field"], sockets=self.sockets),
+                SmcCard(
+                    self.table,
+                    outputs=SMC_OUTPUTS if self.outputs else (),
+                    sockets=self.sockets,
+                ),
             )
         return (
-            StepDirElectronics(self.mill, self.clock),
+            StepDirElectronics(self.mill, self.clock, sockets=self.sockets),
             StepDirCard(
                 STEPDIR_PROFILES[self.wiring],
                 outputs=STEPDIR_OUTPUTS if self.outputs else (),
-                motors=MOTORS,
+                sockets=self.sockets,
             ),
         )
 
@@ -234,7 +240,8 @@ class Workbench:
         return self.simulated.look().carriages_steps[motor] - self._home[motor]
 
     def carriages(self) -> tuple[float, ...]:
-        return tuple(self.carriage(axis) for axis in AXES)
+        now = self.simulated.look().carriages_steps
+        return tuple(at - home for at, home in zip(now, self._home, strict=True))
 
     def lost(self) -> tuple[float, ...]:
         return self.simulated.look().lost_steps

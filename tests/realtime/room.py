@@ -93,11 +93,15 @@ class Room:
     """
 
     def __init__(
-        self, wiring: str = "smc", silent_s: float = 1.0, pump: ChargePump | None = None
+        self,
+        wiring: str = "smc",
+        silent_s: float = 1.0,
+        pump: ChargePump | None = None,
+        sockets: tuple[int, ...] = (0, 1, 2),
     ) -> None:
         self.time = Time(look_ns=2_000)
         clock = RealtimeClock(self.time.now_ns, self.time.sleep_s)
-        self.bench = Workbench(wiring, limits=TIRELESS, outputs=True, clock=clock)
+        self.bench = Workbench(wiring, limits=TIRELESS, outputs=True, clock=clock, sockets=sockets)
         fd = shared.create()
         self.memory = Memory(fd)
         os.close(fd)

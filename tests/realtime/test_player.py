@@ -38,6 +38,22 @@ class TestPlaying:
         assert room.until(0.3).position_steps == (50, 0, 0)
         assert room.bench.carriages() == (50, 0, 0)
 
+    @pytest.mark.parametrize(
+        ("wiring", "sockets", "steps"),
+        [
+            ("x4step", (2, 0, 3, 1), (50, -30, 20, 10)),
+            ("paper", (3,), (-50,)),
+            ("smc", (2, 0), (20, -50)),
+        ],
+    )
+    def test_motors_in_other_sockets(
+        self, wiring: str, sockets: tuple[int, ...], steps: tuple[int, ...]
+    ) -> None:
+        room = Room(wiring, sockets=sockets)
+        room.play(steady(50)._replace(steps=steps))
+        assert room.until(0.3).position_steps == steps
+        assert room.bench.carriages() == steps
+
     def test_blocks_that_come_while_it_runs_are_played_without_a_gap(self) -> None:
         room = Room()
         room.play(line(300, exit_hz=5000))

@@ -22,6 +22,10 @@ from fraese.motor.bridge.constants import (
 _FORMAT: Final = struct.Struct("<7B4BB8B2B4B2BHHHLBBBH")
 
 
+#: Data bits of clock and direction where every motor is in the socket of its number.
+CLOCK_LINES: Final = (0x03, 0x0C, 0x30, 0xC0)
+
+
 @dataclass(frozen=True, slots=True)
 class Line:
     """Bits of the control register, and their value when the line is on."""
@@ -47,7 +51,7 @@ class CardFacts:
         outputs: free outputs, in the order of their bits.
         safe: outputs that are off at standstill.
         enable: outputs that carry the drives' enable.
-        motor_bits: data bits 6 and 7 of every motor.
+        motor_bits: data bits of every motor: 6 and 7 of a phase card, else clock and direction.
         off: low six bits without current.
         pulse_cycles, setup_cycles, beat_cycles, settle_cycles: times in cycles.
         switch_mask, switch_value: contact, as the status register reads.

@@ -13,7 +13,8 @@ from typing import Final
 
 from fraese.errors import PortError
 from fraese.motor.bridge import constants as c
-from fraese.motor.bridge.cards import CardFacts, card_commands
+from fraese.motor.bridge.cards import CLOCK_LINES, CardFacts, card_commands
+from fraese.motor.bridge.codec import Hello
 from fraese.motor.bridge.line import OpenLine
 from fraese.motor.bridge.session import Session, greeting
 from fraese.motor.bridge.stepwise import Steps
@@ -96,9 +97,21 @@ class Connection:
         hello, facts = session.hello, self.facts
         able = hello.phase_cards if facts.kind == c.CARD_PHASES else hello.clock_cards
         if able and facts.motors <= hello.motors and len(facts.table) <= hello.table_max:
+            self._require_sockets(hello)
             return
         raise PortError(
             f"The bridge on {self.name} ({hello.board}, firmware {hello.firmware[0]}."
             f"{hello.firmware[1]}) cannot play this card: it drives {hello.motors} motors with"
             f" tables of {hello.table_max} entries."
         )
+
+    def _require_sockets(self, hello: Hello) -> None:
+        """Firmware before 1.1 knows a socket of clock and direction by its motor only."""
+        facts = self.facts
+        in_order = facts.motor_bits == CLOCK_LINES[: len(facts.motor_bits)]
+        if facts.kind == c.CARD_CLOCKS and hello.firmware < (1, 1) and not in_order:
+            raise PortError(
+                f"The bridge on {self.name} has firmware {hello.firmware[0]}.{hello.firmware[1]},"
+                " which cannot swap motors: give every axis the motor of its place in axes.names,"
+                " or flash firmware 1.1."
+            )

@@ -50,6 +50,7 @@ def _stepdir_facts(card: StepDirCard) -> CardFacts:
         control_rest=card.lines.rest,
         clock_rest=card.clock_rest,
         forward_high=card.forward_high,
+        motor_bits=card.lines_of,
         active=pin_line(ACTIVE_PIN),
         boost=pin_line(BOOST_PIN),
         outputs=_outputs(card.lines.outputs),

@@ -53,6 +53,7 @@ class StepDirCard:
     Attributes:
         motors: how many.
         sockets: as given.
+        lines_of: both data bits of each motor.
         clock_rest: data bits that are 1 while the clocks rest.
         forward_high: as given.
         enable_mask: the output that carries the drives' enable, a bit.
@@ -82,6 +83,7 @@ class StepDirCard:
         self.enable_mask = 0 if enable is None else 1 << enable
         # All four control pins low: ACTIVE and BOOST off.
         self.lines = ControlLines(0b1011, outputs)
+        self.lines_of = tuple(3 << 2 * socket for socket in self.sockets)
         clocks = [2 << 2 * socket for socket in self.sockets]
         self.clock_rest = sum(clocks) if clock_idles_high else 0
         self._clocks = [
