@@ -8,6 +8,7 @@ Rule 2: blocks that are only stored never move anything: a run begins with START
 import json
 import statistics
 from collections.abc import Iterator
+from functools import partial
 from typing import Annotated, Final, NamedTuple
 
 import typer
@@ -161,7 +162,7 @@ def _checks(place: Place, move_steps: int) -> Iterator[Check]:
         yield Check(
             "greeting", True, f"{hello.board}, firmware {hello.firmware[0]}.{hello.firmware[1]}"
         )
-        for check in (_answers, _damage, _inputs, _queue):
+        for check in (_answers, _damage, _inputs, partial(_queue, motors=card.motors)):
             yield check(driver)
         if move_steps:
             yield from _moves(driver, place.config, move_steps)
@@ -202,10 +203,10 @@ def _inputs(driver: BridgeDriver) -> Check:
     return Check("inputs", True, f"register {register:02X}; pins {pins}")
 
 
-def _queue(driver: BridgeDriver) -> Check:
+def _queue(driver: BridgeDriver, motors: int) -> Check:
     """Fill the queue with usual blocks, without starting them, and drop them again."""
     session, number = driver.session, 0
-    while driver.push(_contour_block(number)):
+    while driver.push(_contour_block(number, motors)):
         number += 1
     session.pump_until(lambda: session.link.is_quiet)
     stored = session.ask().last
@@ -215,12 +216,12 @@ def _queue(driver: BridgeDriver) -> Check:
     return Check("queue", stored > 0 and not dropped.queued and not dropped.running, seen)
 
 
-def _contour_block(number: int) -> Block:
-    """A short line of three axes at a rate that changes: what a contour is made of."""
+def _contour_block(number: int, motors: int) -> Block:
+    """A short line of all axes at a rate that changes: what a contour is made of."""
     ticks = 20 + number % 3
     interval_q8 = round(_BLOCK_S * CYCLES_PER_S / ticks * Q8) + number % 50 * Q8
     return Block(
-        steps=(ticks, -(number % 17), number % 5),
+        steps=(ticks, -(number % 17), number % 5, -(number % 3))[:motors],
         pieces=(Piece(ticks, interval_q8, -(number % 90)),),
         accel_q=accel_q_from_hz_s(40_000),
         jump_rate_q8=rate_q8_from_hz(1000),
