@@ -40,7 +40,6 @@ def child() -> None:
     from fraese.assembly import plant as plant_module
     from fraese.assembly.simulation import simulated_mill
     from fraese.config import Config
-    from fraese.machine import Machine
     from fraese.motor.ports.sim import SimulatedMill
     from fraese.motor.seams import Clock
     from fraese.ui import FraeseApp
@@ -49,8 +48,8 @@ def child() -> None:
     def no_program(path: Path) -> Program:
         raise NotImplementedError
 
-    def telling(config: Config, machine: Machine, clock: Clock) -> SimulatedMill:
-        mill = simulation(config, machine, clock)
+    def telling(config: Config, clock: Clock) -> SimulatedMill:
+        mill = simulation(config, clock)
         write = mill.write_data
 
         def write_data(value: int) -> None:

@@ -96,7 +96,7 @@ class Made(NamedTuple):
 
 def _on_simulated_mill(order: Order) -> Made:
     clock = CLOCKS[order.clock]()
-    mill = simulated_mill(order.config, order.machine, clock)
+    mill = simulated_mill(order.config, clock)
     if order.kept is not None and order.kept.simulation:
         mill.set_states([RotorState(*values) for values in order.kept.simulation])
     core = MotorCore(

@@ -11,6 +11,9 @@ import platformdirs
 
 from fraese.assembly.cards import CARDS
 from fraese.assembly.drivers import DRIVERS, ClockName, Order
+from fraese.assembly.misfits import misfits
+from fraese.assembly.onlooker import MillOnlooker
+from fraese.assembly.trueaxis import true_axes
 from fraese.config import Config
 from fraese.control.controller import Controller
 from fraese.control.savedstate import StateFile
@@ -33,6 +36,7 @@ class Plant:
         config: what it was made from.
         notes: what a person should know from the start.
         awake: keeps the computer from sleeping until all is closed; None: it may sleep.
+        onlooker: sees the simulated mill in the machine's coordinates; None: there is metal.
     """
 
     controller: Controller
@@ -42,6 +46,7 @@ class Plant:
     config: Config
     notes: tuple[str, ...] = ()
     awake: Awake | None = None
+    onlooker: MillOnlooker | None = None
 
     @property
     def is_simulated(self) -> bool:
@@ -55,9 +60,9 @@ class Plant:
 
     def press(self, end_name: str, pressed: bool) -> None:
         """Press an end switch of a simulated mill by hand, or let it go, by its name (xmin)."""
-        if self.port is None:
+        if self.port is None or self.onlooker is None:
             return
-        end = self.controller.switches.motor_end(end_name)
+        end = self.onlooker.end(end_name)
         (self.port.press if pressed else self.port.let_go)(end)
 
     def save(self, *, moving: bool = False) -> None:
@@ -96,10 +101,12 @@ def state_folder() -> Path:
 def _meaning(config: Config, machine: Machine) -> tuple[str, ...]:
     """What steps, phases and slack are counted in: a word per axis."""
     table = config.card.table if config.card.kind == "smc1500" else ""
+    is_simulated = config.port.kind == "simulation"
     return tuple(
         f"{config.card.kind} {table} {axis.steps_per_mm} {axis.motor_sign} {axis.home_sign}"
         f" {axis.low_mm} {axis.high_mm} {axis.backlash_steps}{other}"
-        for axis, other in zip(machine.axes, _unusual(config), strict=True)
+        + (f" on {true.in_words}" if is_simulated else "")
+        for axis, other, true in zip(machine.axes, _unusual(config), true_axes(config), strict=True)
     )
 
 
@@ -147,6 +154,7 @@ def assemble(
         Path(config.log.file) if config.log.file else (state or state_folder()) / "fraese.log"
     )
     log.switch(config.log.enabled)
+    onlooker = None if made.mill is None else MillOnlooker(config, made.mill)
     controller = Controller(
         machine,
         made.driver,
@@ -155,10 +163,11 @@ def assemble(
         log,
         slice_s=made.slice_s,
         step_word=card.step_word,
+        onlooker=onlooker,
     )
     if kept is not None:
         controller.take_up(kept)
         if kept.moving:
             notes.append("The program ended while the machine moved: reference it again.")
-    every = (*notes, *made.notes)
-    return Plant(controller, made.clock, made.mill, state_file, config, every, made.awake)
+    every = (*notes, *made.notes, *misfits(config))
+    return Plant(controller, made.clock, made.mill, state_file, config, every, made.awake, onlooker)

@@ -7,6 +7,7 @@ from pathlib import Path
 import typer
 
 from fraese.assembly import assemble
+from fraese.assembly.misfits import described
 from fraese.cli.session import note
 from fraese.cli.shared import ConfigOption, FileArgument, StartingPlace, leave, with_options
 from fraese.config import file as configuration
@@ -117,7 +118,12 @@ def config_check(config: ConfigOption = None) -> None:
 
     def go() -> int:
         settings = configuration.load(config)
-        assemble(settings, at_desk=True).controller.close()
+        plant = assemble(settings, at_desk=True)
+        plant.controller.close()
+        for text in plant.notes:
+            note(text)
+        if described(settings):
+            note(described(settings))
         found = configuration.find_file(config)
         print(f"{found}: ok" if found else "No configuration file: built-in defaults. ok")
         return 0

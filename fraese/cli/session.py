@@ -103,6 +103,9 @@ class Session:
         def by_axis(values: tuple[Any, ...]) -> dict[str, Any]:
             return dict(zip(state.axes, values, strict=True))
 
+        def if_seen(values: tuple[Any, ...]) -> dict[str, Any] | None:
+            return by_axis(values) if values else None
+
         duration_ns = self._plant.clock.now_ns() - self._from_ns
         return {
             "status": word,
@@ -125,6 +128,9 @@ class Session:
             "blocks": self._blocks,
             "late_ticks": state.late_ticks,
             "dry_queues": state.dry_queues,
+            "carriages_mm": if_seen(state.carriages_mm),
+            "lost_steps": if_seen(state.lost_steps),
+            "lost_why": if_seen(state.lost_why),
         }
 
     # --- called by the run loop ----------------------------------------------------------------

@@ -21,6 +21,18 @@ Band = tuple[Positive, Positive]
 _GEAR = re.compile(r"[0-9]{1,9}(\.[0-9]{1,9})?|[0-9]{1,9}/[0-9]{1,9}")
 
 
+def gear_ratio(value: Any) -> str:
+    """A ratio as it is written, read strictly.
+
+    Raises:
+        ValueError: if it is no positive number or ratio.
+    """
+    text = str(value).replace(":", "/").replace(" ", "")
+    if not _GEAR.fullmatch(text) or not all(map(Fraction, text.split("/"))):
+        raise ValueError('must be a positive number or ratio such as "5/2"')
+    return text
+
+
 class AxisConfig(Section, ABC):
     """One axis: how steps become a way, and what its motor can follow.
 
@@ -122,10 +134,7 @@ class AxisConfig(Section, ABC):
     @field_validator("gear", mode="before")
     @classmethod
     def _ratio(cls, value: Any) -> str:
-        text = str(value).replace(":", "/").replace(" ", "")
-        if not _GEAR.fullmatch(text) or not all(map(Fraction, text.split("/"))):
-            raise ValueError('must be a positive number or ratio such as "5/2"')
-        return text
+        return gear_ratio(value)
 
     @field_validator("avoid_hz")
     @classmethod

@@ -32,6 +32,11 @@ _TOOL = re.compile(r"[0-9]{1,9}")
 #: Travel of an axis; the upper bound is what counters of 32 bits hold with room to spare.
 _FEWEST_STEPS = 10
 _MOST_STEPS = 1_000_000_000
+#: Keys of a simulated axis that an axis of this kind has not.
+_NOT_OF_KIND = {
+    "linear": {"pitch_deg", "travel_deg"},
+    "rotary": {"pitch_mm", "travel_mm"},
+}
 
 
 class Config(Section):
@@ -75,6 +80,7 @@ class Config(Section):
         self._check_safe_z()
         self._check_probe()
         self._check_outputs()
+        self._check_simulation()
         return self
 
     def _check_sockets(self) -> None:
@@ -161,6 +167,28 @@ class Config(Section):
                     f"outputs.{name}.pin {output.pin} is taken already (card {self.card.kind})"
                 )
             taken.add(output.pin)
+
+    def _check_simulation(self) -> None:
+        """What is said of a simulated axis is said of one that there is, in its unit."""
+        for name, own in self.simulation.axes.items():
+            if name not in self.axes.table:
+                raise ValueError(f"simulation.axes.{name}: there is no {name} in axes.names")
+            axis = self.axes.table[name]
+            for key in sorted(own.model_fields_set & _NOT_OF_KIND[axis.kind]):
+                stem = key.rpartition("_")[0]
+                raise ValueError(
+                    f"simulation.axes.{name}.{key}: {name} is a {axis.kind} axis; its key is"
+                    f" {stem}_{axis.key_unit}"
+                )
+        taken: dict[int, str] = {}
+        for axis_name, configured in self.axes.table.items():
+            socket = self.simulation.own(axis_name).motor or configured.motor
+            if socket in taken:
+                raise ValueError(
+                    f"simulation: the motors of {taken[socket]} and {axis_name} hang on the same"
+                    f" socket, {socket}; give simulation.axes.{axis_name}.motor another"
+                )
+            taken[socket] = axis_name
 
     def pull_off(self, axis: AxisConfig) -> float:
         """From a switch to the usable travel, in the unit of the axis; nothing without switches."""

@@ -21,6 +21,7 @@ from fraese.config.axes import AxesConfig
 from fraese.config.axis import LinearAxis, RotaryAxis
 from fraese.config.config import Config
 from fraese.config.section import Section
+from fraese.config.simulation import SimulatedAxis
 from fraese.config.work import ToolConfig
 from fraese.errors import ConfigError
 
@@ -30,6 +31,8 @@ _SHOWN_CHARACTERS = 60
 _SCALARS = (int, float, str, Decimal)
 #: Kinds of a table that the place of a complaint names, but not the file.
 _KINDS: Mapping[str, type[Section]] = {"linear": LinearAxis, "rotary": RotaryAxis}
+#: Tables of which there may be several, and the name of one that serves as an example.
+_NAMED_AT_WILL: Mapping[type[Section], str] = {ToolConfig: "1", SimulatedAxis: "x"}
 
 
 def find_file(named: Path | None = None) -> Path | None:
@@ -113,8 +116,8 @@ def _section_at(location: tuple[int | str, ...]) -> type[Section] | None:
     """The model behind a dotted place in the file."""
     section: Any = Config
     for part in location:
-        if section is ToolConfig:
-            break  # the number of a tool: its keys are those of every tool
+        if section in _NAMED_AT_WILL:
+            break  # the name of one of them: its keys are those of every other
         if section is AxesConfig and part in section.model_fields and part != "names":
             continue  # which keys an axis has, its kind says
         if part in _KINDS:
@@ -157,6 +160,9 @@ def _annotate(section: Section, path: str, lines: list[str]) -> None:
         if value is None and isinstance(section, AxesConfig):
             continue  # one of the letters that this machine has not
         lines.append(f"# {field.description}{_choices(field.annotation)}{_bounds(field.metadata)}")
+        if isinstance(value, dict):
+            lines += _example_table(f"{path}.{key}" if path else key, field.annotation)
+            continue
         lines.append(_entry(key, value, field.annotation))
     if isinstance(section, AxesConfig):
         lines += [f"# {line}" for line in section.example]
@@ -167,11 +173,22 @@ def _annotate(section: Section, path: str, lines: list[str]) -> None:
 def _entry(key: str, value: Any, annotation: Any) -> str:
     if value is None:
         return f"#{key} = {_example(annotation)}"
-    if isinstance(value, dict):
-        return f"#[{key}.1]\n#length_mm = 0.0\n#diameter_mm = 3.0"
     if isinstance(value, Decimal):
         return f"{key} = {value}"
     return f"{key} = {tomlkit.item(value).as_string()}"
+
+
+def _example_table(path: str, annotation: Any) -> list[str]:
+    """A table of which there is none by default, as a remark."""
+    section = next(kind for kind in get_args(annotation) if kind in _NAMED_AT_WILL)
+    lines = [f"#[{path}.{_NAMED_AT_WILL[section]}]"]
+    for key, field in section.model_fields.items():
+        if key.endswith("_deg"):
+            continue  # the example is a linear axis
+        lines.append(f"# {field.description}{_bounds(field.metadata)}")
+        value = field.examples[0] if field.examples else field.default
+        lines.append("#" + _entry(key, value, field.annotation).removeprefix("#"))
+    return lines
 
 
 def _example(annotation: Any) -> str:

@@ -17,6 +17,7 @@ from fraese.control.endswitches import EndSwitches
 from fraese.control.homing import Homing, chosen
 from fraese.control.jobs import Job
 from fraese.control.motionqueue import MotionQueue
+from fraese.control.onlooker import Nobody, Onlooker
 from fraese.control.position import Position
 from fraese.control.retract import Detour
 from fraese.control.runloop import RunLoop
@@ -40,6 +41,7 @@ class Controller:
         log: the log file that can be switched, if there is one.
         slice_s: how long one poll of the driver may take, s.
         step_word: what the card calls one step.
+        onlooker: who sees what no driver can know; None: there is metal, and nobody does.
 
     Attributes:
         position: positions, references, work offsets.
@@ -56,12 +58,14 @@ class Controller:
         log: LogFile | None = None,
         slice_s: float = 0.02,
         step_word: str = "step",
+        onlooker: Onlooker | None = None,
     ) -> None:
         self.machine = machine
         self.config = config
         self.step_word = step_word
         self.log = log
         self._driver = driver
+        self._onlooker = onlooker or Nobody()
         self.override = 1.0
         self.position = Position(machine)
         self.switches = EndSwitches(config, self.position, driver)
@@ -71,7 +75,14 @@ class Controller:
         self.switches.open()
         self._queue.look_around(config.switches.readings)
         self._loop = RunLoop(
-            config, driver, clock, self._queue, self.position, self.switches, slice_s
+            config,
+            driver,
+            clock,
+            self._queue,
+            self.position,
+            self.switches,
+            slice_s,
+            self._onlooker,
         )
 
     # --- the run loop --------------------------------------------------------------------------
@@ -303,7 +314,8 @@ class Controller:
         homing = self.config.homing
         order = chosen(self.config.home_order, axes, self.machine)
         measure = homing.measure if measure is None else measure
-        job = Homing(homing, self.position, self.switches, self.say, measure).job(order)
+        lost = self._loop.lost_in_words
+        job = Homing(homing, self.position, self.switches, self.say, lost, measure).job(order)
         self.start("reference " + " ".join(name.upper() for name in order), job)
 
     @logged
@@ -391,4 +403,5 @@ class Controller:
             log_on=self.log is not None and self.log.is_on,
             override=self.override,
             step_word=self.step_word,
+            seen=self._onlooker.look(),
         )

@@ -163,16 +163,6 @@ class EndSwitches:
         """The contact may be one of these ends: so it was known when the last command ended."""
         self._kept = frozenset(end for end in self._every() if self.name(end) in names)
 
-    def motor_end(self, name: str) -> End:
-        """The end of that name as the driver counts it, in motor direction.
-
-        Raises:
-            ValueError: if there is no such end.
-        """
-        motor = self._machine.index(name.removesuffix("min").removesuffix("max"))
-        sign = 1 if name.endswith("max") else -1
-        return End(motor, sign * self._machine.axes[motor].motor_sign)
-
     # --- what may move -------------------------------------------------------------------------
 
     def require_open(self) -> None:

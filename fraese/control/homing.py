@@ -61,6 +61,7 @@ class Homing:
         position: of the axes; position and reference are set.
         switches: what is looked for.
         say: told what was found.
+        lost: says which steps were lost on the way, where that can be seen; else nothing.
         measure: run to the other end too.
     """
 
@@ -70,6 +71,7 @@ class Homing:
         position: Position,
         switches: EndSwitches,
         say: Callable[[str], None],
+        lost: Callable[[], str],
         measure: bool,
     ) -> None:
         self._config = config
@@ -77,6 +79,7 @@ class Homing:
         self._machine = position.machine
         self._switches = switches
         self._say = say
+        self._lost = lost
         self._measure = measure
 
     def job(self, axes: Sequence[str]) -> Job:
@@ -135,10 +138,12 @@ class Homing:
         end = self._name(axis, sign)
         report = yield from self._go(axis, sign * search_mm, config.approach_mm_min, closed=True)
         if report.ended is not Ended.WATCH:
+            lost = self._lost()
+            on_the_way = ", and steps were lost on the way: look at why, then" if lost else ": look"
             raise HomingError(
-                f"End switch {end} was not found within {axis.with_unit(search_mm)}: look at the"
-                f" switch and at axes.{axis.name}.{axis.travel_key}; the machine stands at"
-                f" {self._position.in_words()}."
+                f"End switch {end} was not found within {axis.with_unit(search_mm)}{on_the_way} at"
+                f" the switch and at axes.{axis.name}.{axis.travel_key}; the machine stands at"
+                f" {self._position.in_words()}. {lost}".rstrip()
             )
         yield from self._open(axis, sign)
         report = yield from self._go(

@@ -22,6 +22,7 @@ from fraese.config import Config
 from fraese.control.endswitches import EndSwitches
 from fraese.control.jobs import Job
 from fraese.control.motionqueue import MotionQueue
+from fraese.control.onlooker import Onlooker, lost_in_words
 from fraese.control.position import Position
 from fraese.control.retract import Detour
 from fraese.control.runner import Runner
@@ -52,6 +53,7 @@ class RunLoop:
         position: where it ended; references are lost by a stop without ramp.
         switches: which end stopped it.
         slice_s: how long one poll of the driver may take, s.
+        onlooker: asked for lost steps when a job ends.
 
     Attributes:
         runner: the inner half.
@@ -69,6 +71,7 @@ class RunLoop:
         position: Position,
         switches: EndSwitches,
         slice_s: float,
+        onlooker: Onlooker,
     ) -> None:
         self._config = config
         self._driver = driver
@@ -76,6 +79,7 @@ class RunLoop:
         self._queue = queue
         self._position = position
         self._switches = switches
+        self._onlooker = onlooker
         self._slice_ns = round(slice_s * _NS_PER_S)
         self._display: Callable[[], None] = _nothing
         self._show_pos: Callable[[], None] = _nothing
@@ -87,6 +91,7 @@ class RunLoop:
         self._progress: JobProgress | None = None
         self._job_from_ns = 0
         self._late_before = self._dry_before = 0
+        self._travelled_before = queue.report.travelled_steps
         self._idle_at_ns: int | None = None
         axes = position.machine.axes
         braking_s = max(axis.max_rate_hz / axis.acceleration_hz_s for axis in axes)
@@ -181,6 +186,8 @@ class RunLoop:
         self._job_from_ns = self._clock.now_ns()
         self._late_before = self._queue.report.late_ticks
         self._dry_before = self._queue.report.dry_queues
+        self._travelled_before = self._queue.report.travelled_steps
+        self._onlooker.begin()
         self.runner.start(job, detour)
         self.status = Status.RUN
 
@@ -267,7 +274,7 @@ class RunLoop:
             self._progress = self._progress_now(self._progress)
 
     def _own_up(self) -> None:
-        """What the motors felt and nobody asked for: dry queues, late steps."""
+        """What the motors felt and nobody asked for: dry queues, late and lost steps."""
         report = self._queue.report
         late, dry = report.late_ticks - self._late_before, report.dry_queues - self._dry_before
         said = []
@@ -275,8 +282,19 @@ class RunLoop:
             said.append(f"The queue ran dry {dry} times: the motors braked and waited.")
         if late:
             said.append(f"{late} ticks came late by more than a quarter of their interval.")
+        lost = self.lost_in_words()
+        # A job that failed for this reason has said so.
+        if lost and lost not in self.message:
+            said.append(lost)
         if said:
             self.say(" ".join([self.message, *said]).strip())
+
+    def lost_in_words(self) -> str:
+        """Steps of this job that a simulated mill lost so far; empty if none. At standstill."""
+        self._onlooker.rest()
+        travelled = zip(self._queue.report.travelled_steps, self._travelled_before, strict=True)
+        made_steps = [now - before for now, before in travelled]
+        return lost_in_words(self._position.machine.names, self._onlooker.look(), made_steps)
 
     def _alarm(self) -> FraeseError:
         ended, where = self._queue.report.ended, self._position.in_words()

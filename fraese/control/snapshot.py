@@ -7,6 +7,7 @@ Rule 1: from any thread. Every part replaces whole what is read here; a look is 
 from fraese.anythread import any_thread
 from fraese.control.endswitches import EndSwitches
 from fraese.control.motionqueue import MotionQueue
+from fraese.control.onlooker import Seen
 from fraese.control.position import Position
 from fraese.control.runloop import RunLoop
 from fraese.control.state import MachineState, Status, WorkFacts
@@ -23,6 +24,7 @@ def snapshot(
     log_on: bool,
     override: float,
     step_word: str,
+    seen: Seen,
 ) -> MachineState:
     """Everything that can be shown, as it is now.
 
@@ -34,6 +36,7 @@ def snapshot(
         log_on: the log is being written.
         override: feed override, a factor.
         step_word: what the card calls one step.
+        seen: what an onlooker sees.
     """
     report, axes = queue.report, where.machine.axes
     position_steps, frame = where.position_steps, where.frame
@@ -66,4 +69,7 @@ def snapshot(
         override=override,
         units=tuple(axis.unit for axis in axes),
         step_word=step_word,
+        carriages_mm=seen.carriages_mm,
+        lost_steps=seen.lost_steps,
+        lost_why=seen.lost_why,
     )

@@ -114,6 +114,10 @@ class MachineState:
         question: what the operator is asked, with the job waiting; empty if nothing.
         units: "mm" or "°", per axis.
         step_word: what one step is called: half-step, quarter-step, pulse.
+        carriages_mm: of a simulated mill, where the carriages really are; empty at metal. To be
+            compared with ``position_mm``; for the zero see ``control/onlooker.py``.
+        lost_steps: likewise, steps of this job that were asked for and not made, signed.
+        lost_why: likewise, why, half a sentence; empty: none.
     """
 
     status: Status
@@ -143,3 +147,6 @@ class MachineState:
     work: WorkFacts = WorkFacts()
     units: tuple[str, ...] = ()
     step_word: str = "step"
+    carriages_mm: tuple[float, ...] = ()
+    lost_steps: tuple[float, ...] = ()
+    lost_why: tuple[str, ...] = ()

@@ -22,6 +22,7 @@ from fraese.doctor import timing
 from fraese.doctor.board import try_board
 from fraese.doctor.findings import Finding, Patient, State, ask
 from fraese.doctor.kernel import KERNEL_CHECKS
+from fraese.doctor.motors import MOTOR_CHECKS
 from fraese.doctor.opening import Opening
 from fraese.doctor.parallel import try_port
 from fraese.doctor.port import PORT_CHECKS
@@ -78,7 +79,8 @@ def examine(
     """
     card = CARDS[config.card.kind](config)
     patient = admit(config, card, root)
-    findings = [*ask(PORT_CHECKS[config.port.kind], patient), *ask(KERNEL_CHECKS, patient)]
+    checks = (*PORT_CHECKS[config.port.kind], *MOTOR_CHECKS, *KERNEL_CHECKS)
+    findings = list(ask(checks, patient))
     duty = timing.duty_of(card, realtime_options(config))
     cores = max(1, len(patient.kernel.cores))
     taken = timing.take(duty, timing.limit_hz(config), seconds, cores, load, say)

@@ -5,13 +5,23 @@ Rule 1: everything comes in through the pins, as on metal. A byte means somethin
 Rule 2: where a field points is remembered while there is no current; a rotor then follows nothing
         until the current is back, and what it missed is lost.
 Rule 3: currents are what a clamp meter would show, not what was asked for.
+Rule 4: angles of a field are whole parts of a power of two: however far it turns, their sum is
+        exact.
 """
 
 from collections.abc import Sequence
 from typing import Final, Protocol
 
 from fraese.motor.mill import Mill
-from fraese.motor.phases import MOTRUN, MOTZERO, Currents, currents_of, field_angle
+from fraese.motor.phases import (
+    MOTRUN,
+    MOTZERO,
+    TURN_STEPS,
+    Currents,
+    currents_of,
+    exact_angle,
+    field_angle,
+)
 from fraese.motor.seams import Clock
 
 _STROBE: Final = 1
@@ -26,8 +36,11 @@ class Electronics(Protocol):
     def control(self, value: int) -> None:
         """The control register was written."""
 
-    #: Where each motor's field pointed last, in half-steps of a turn.
+    #: Where each motor's field pointed last, in half-steps of a turn; read only.
     angles: list[float]
+
+    def set_angle(self, motor: int, angle: float) -> None:
+        """Let the field of a motor point there, before anything moves."""
 
     def currents(self, motor: int) -> Currents:
         """What a clamp meter would show on the coils."""
@@ -80,6 +93,10 @@ class SmcElectronics:
             self._latch(self._data)
         self._control = value
 
+    def set_angle(self, motor: int, angle: float) -> None:
+        """As it was left."""
+        self.angles[motor] = angle
+
     def _latch(self, byte: int) -> None:
         motor = self._motor_at.get(byte >> 6)
         if motor is None:
@@ -118,8 +135,24 @@ class SmcElectronics:
         self._latched = [MOTZERO] * len(self._mill.rotors)
 
 
+def _ring(pulses: int) -> dict[bool, dict[float, tuple[float, float]]]:
+    """The angles of one electrical turn in so many pulses.
+
+    Returns:
+        by direction, True forward, and by angle: the next angle, and how far it is.
+    """
+    angles = [exact_angle(TURN_STEPS * n / pulses) for n in range(pulses)]
+    nexts = [*angles[1:], float(TURN_STEPS)]
+    return {
+        True: {a: (b % TURN_STEPS, b - a) for a, b in zip(angles, nexts, strict=True)},
+        False: {b % TURN_STEPS: (a, a - b) for a, b in zip(angles, nexts, strict=True)},
+    }
+
+
 class StepDirElectronics:
     """Step/direction drives: data bits 2k, 2k+1 are direction and clock of socket k.
+
+    How many pulses make one electrical turn, the slides of the mill say.
 
     Args:
         mill: what the motors move.
@@ -143,6 +176,7 @@ class StepDirElectronics:
         self._now_ns = clock.now_ns
         # Inverted wiring is turned round at the plug.
         self._inverted = (0xAA if clock_idles_high else 0) | (0 if forward_high else 0x55)
+        self._rings = [_ring(slide.steps_in_turn) for slide in mill.slides]
         self.angles = [0.0] * len(mill.rotors)
         # Pulled up before anybody writes: the first byte is no rising edge.
         self._data = 0xFF
@@ -155,7 +189,13 @@ class StepDirElectronics:
         self._data = value
         for motor, place in enumerate(self._places):
             if rising >> place & 2:
-                self._mill.turn(motor, 1 if value >> place & 1 else -1, self._now_ns())
+                ring = self._rings[motor][bool(value >> place & 1)]
+                self.angles[motor], delta = ring[self.angles[motor]]
+                self._mill.turn(motor, delta, self._now_ns())
+
+    def set_angle(self, motor: int, angle: float) -> None:
+        """As it was left; the nearest that the drive knows."""
+        self.angles[motor] = min(self._rings[motor][True], key=lambda known: abs(known - angle))
 
     def control(self, value: int) -> None:
         """ACTIVE and BOOST change the current, not the position."""

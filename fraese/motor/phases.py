@@ -60,6 +60,8 @@ _STEP_WORDS: Final[Mapping[Fraction, str]] = {
 _EVEN: Final = (0.5, 1.5)
 _SHORTEST_TABLE: Final = 3
 
+#: Angles are whole parts of a half-step, so that they add up without rounding.
+_ANGLE_PARTS: Final = 1 << 20
 _CODE_OFF: Final = 0b11
 _MOTOR_SHIFT: Final = 6
 
@@ -94,7 +96,18 @@ def field_angle(byte: int, levels: tuple[int, int, int, int]) -> float | None:
     a_percent, b_percent = currents_of(byte, levels)
     if not a_percent and not b_percent:
         return None
-    return round(math.atan2(a_percent, b_percent) * 4 / math.pi, 6) % TURN_STEPS
+    return exact_angle(math.atan2(a_percent, b_percent) * 4 / math.pi) % TURN_STEPS
+
+
+def exact_angle(angle: float) -> float:
+    """The nearest angle of which sums and differences are exact."""
+    return round(angle * _ANGLE_PARTS) / _ANGLE_PARTS
+
+
+def sense_of_table(table: bytes, levels: tuple[int, int, int, int]) -> int:
+    """Which way a table without fault turns the field: 1 as ``MOTRUN`` does, -1 against it."""
+    first, second = (field_angle(byte, levels) or 0.0 for byte in table[:2])
+    return 1 if _short_way(second - first) > 0 else -1
 
 
 def parts_of_full_step(table: bytes) -> Fraction:

@@ -10,7 +10,6 @@ firmware waits where the mill is further behind, which it is on a busy machine.
 import threading
 from pathlib import Path
 
-from fraese.assembly import assemble
 from fraese.assembly.simulation import simulated_mill
 from fraese.config import Config
 from fraese.motor.clock import VirtualClock
@@ -38,8 +37,7 @@ class PtyMill:
 
     def __init__(self, folder: Path, config: Config, options: tuple[str, ...] = ()) -> None:
         self._clock = VirtualClock()
-        plant = assemble(config, at_desk=True)
-        self.mill: SimulatedMill = simulated_mill(config, plant.controller.machine, self._clock)
+        self.mill: SimulatedMill = simulated_mill(config, self._clock)
         self.host = SimHost(image(), folder, options)
         self.port = self.host.port
         self._ends = threading.Event()

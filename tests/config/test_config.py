@@ -37,8 +37,8 @@ def test_what_is_commented_out_is_valid_when_it_is_not(tmp_path: Path) -> None:
     section = ""
     tried = 0
     for line in configuration.annotated().splitlines():
-        if line.startswith("["):
-            section = line
+        if line.startswith(("[", "#[")):
+            section = line.removeprefix("#")
         if line.startswith("#") and " = " in line and not line.startswith("# "):
             text = f"{section}\n{line[1:]}\n"
             if section:

@@ -5,6 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fraese.blocks import Block, Watch, WatchAction, dwell
+from fraese.motor.phases import exact_angle
 from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import End, IdleLevel, Report
 from tests.motor.workbench import Workbench, line, steady
@@ -127,3 +128,33 @@ def test_a_long_way_round() -> None:
     assert report.position_steps == (0, 0, 0)
     assert bench.carriages() == (0, 0, 0)
     assert report.travelled_steps[2] == 14 * len(there)
+
+
+@settings(max_examples=60)
+@given(
+    pulses=st.sampled_from([4, 16, 20, 32, 100, 500, 1024]),
+    story=st.lists(st.tuples(violent, polls_s, violence), max_size=6),
+)
+def test_fine_steps_add_up_exactly(pulses: int, story: list[tuple[Block, float, str]]) -> None:
+    """Of any drive: what the carriages made and what is lost is what the drive's field turned."""
+    bench = Workbench("x4step", travel_steps=TRAVEL_STEPS, steps_in_turn=pulses)
+    report = play(bench, story)
+    for made, lost, counted in zip(
+        bench.carriages(), bench.lost(), report.position_steps, strict=True
+    ):
+        turns, rest = divmod(counted, pulses)
+        assert made + lost == 8 * turns + exact_angle(8 * rest / pulses)
+
+
+@settings(max_examples=40)
+@given(pulses=st.sampled_from([4, 16, 20, 32, 100]), moves=st.lists(steps, max_size=5))
+def test_fine_steps_within_the_limits_are_followed(
+    pulses: int, moves: list[tuple[int, int, int]]
+) -> None:
+    per_half_step = pulses / 8
+    blocks = [
+        steady(*move, rate_hz=1000 * per_half_step, jump_hz=1000 * per_half_step) for move in moves
+    ]
+    bench = Workbench("x4step", steps_in_turn=pulses)
+    bench.run(*blocks)
+    assert bench.wait().lost() == (0, 0, 0)

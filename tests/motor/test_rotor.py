@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fraese.blocks import Piece, accel_q_from_hz_s
 from fraese.motor.phases import MOTRUN
-from fraese.motor.rotor import RotorLimits
+from fraese.motor.rotor import Hindrance, RotorLimits
 from fraese.motor.seams import End, IdleLevel, Report
 from fraese.planner.ramps import mirrored, trapezoid
 from tests.motor.workbench import (
@@ -186,6 +186,66 @@ class TestLoses:
         assert abs(bench.carriage("x") - 7) <= 4
         balance(bench, bench.report())
         assert report.position_steps[0] == 5 + steps
+
+
+class TestSaysWhy:
+    """What first kept a rotor from following, and when that is forgotten."""
+
+    @pytest.mark.parametrize(
+        ("rate_hz", "why"),
+        [(1700, Hindrance.TOO_STEEP), (5000, Hindrance.TOO_STEEP), (9000, Hindrance.TOO_FAST)],
+    )
+    def test_started_dead(self, rate_hz: float, why: Hindrance) -> None:
+        assert fast(400, rate_hz=rate_hz).mill.rotors[0].hindrance is why
+
+    def test_too_fast_in_the_end(self) -> None:
+        bench = Workbench(limits=LIMITS)
+        bench.run(line(3000, rate_hz=7500))
+        assert bench.mill.rotors[0].hindrance is Hindrance.TOO_FAST
+
+    def test_stopped_dead(self) -> None:
+        bench = Workbench(limits=LIMITS)
+        law = trapezoid(600, 1000, 4000, 4000, ACCELERATION_HZ_S)
+        bench.run(line(600)._replace(pieces=tuple(law), ends_at_rest=True))
+        assert bench.mill.rotors[0].hindrance is None
+        bench.mill.rotors[0].rest()
+        assert bench.mill.rotors[0].hindrance is Hindrance.STOPPED_DEAD
+
+    def test_blocked_is_what_it_was_although_it_is_too_fast_to_catch(self) -> None:
+        bench = Workbench(limits=LIMITS)
+        bench.mill.block(0)
+        bench.run_until_tick(900, line(3000))
+        bench.mill.block(0, False)
+        bench.run()
+        assert bench.mill.rotors[0].hindrance is Hindrance.BLOCKED
+
+    def test_at_the_end_and_without_current(self) -> None:
+        bench = Workbench(limits=LIMITS).ignore_switches().place("x", TRAVEL_STEPS - 100)
+        bench.electronics.cut_power()
+        bench.run(line(1000, 30))
+        assert bench.mill.rotors[0].hindrance is Hindrance.NO_CURRENT
+        bench = Workbench(limits=LIMITS).ignore_switches().place("x", TRAVEL_STEPS - 100)
+        bench.run(line(1000, 30))
+        assert [rotor.hindrance for rotor in bench.mill.rotors] == [Hindrance.AT_END, None, None]
+
+    def test_a_touch_that_lost_nothing_is_forgotten(self) -> None:
+        bench = Workbench(limits=LIMITS)
+        bench.mill.block(0)
+        bench.run(steady(3))
+        assert bench.mill.rotors[0].hindrance is Hindrance.BLOCKED
+        bench.mill.block(0, False)
+        bench.run(steady(-3), steady(10))
+        assert bench.mill.rotors[0].hindrance is None
+
+    def test_what_was_told_is_not_told_again(self) -> None:
+        rotor = fast(400, rate_hz=5000).mill.rotors[0]
+        lost_steps = rotor.lost_steps
+        assert rotor.missed_steps == lost_steps > 0
+        rotor.forget()
+        assert rotor.missed_steps == 0
+        assert rotor.hindrance is None
+        # What is lost stays lost: the field's phase needs it.
+        assert rotor.lost_steps == lost_steps
 
 
 class TestRegisterJumps:

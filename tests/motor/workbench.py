@@ -152,11 +152,21 @@ class Workbench:
     travel_steps: int = TRAVEL_STEPS
     #: Where the motors are plugged in, in motor order.
     sockets: tuple[int, ...] = tuple(range(MOTORS))
+    #: Of the electronics, in one electrical turn.
+    steps_in_turn: int = 8
     clock: Clock = field(default_factory=VirtualClock)
 
     def __post_init__(self) -> None:
         self.mill = Mill(
-            [Slide(self.travel_steps, self.limits, self.overrun_steps)] * len(self.sockets),
+            [
+                Slide(
+                    self.travel_steps,
+                    self.limits,
+                    self.overrun_steps,
+                    steps_in_turn=self.steps_in_turn,
+                )
+            ]
+            * len(self.sockets),
             lag_s=self.lag_s,
             bounce_readings=self.bounce_readings,
         )

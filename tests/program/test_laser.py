@@ -52,8 +52,7 @@ def _simulated(monkeypatch: pytest.MonkeyPatch) -> Bench:
 def _stepped_by_a_process(monkeypatch: pytest.MonkeyPatch) -> Bench:
     """The core as the step process makes it from its set-up, here."""
     config, clock = configured(**merged(LASER, {"port": {"kind": "ppdev"}})), VirtualClock()
-    machine = assemble(config, at_desk=True).controller.machine
-    recorder = Recorder(simulated_mill(config, machine, clock), clock)
+    recorder = Recorder(simulated_mill(config, clock), clock)
 
     def core(setup: Setup) -> MotorCore:
         here: Any = clock

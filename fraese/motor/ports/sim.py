@@ -130,7 +130,7 @@ class SimulatedMill:
         """Find the machine as it was left."""
         self.mill.set_slack([state.slack_steps for state in states])
         for motor, state in enumerate(states):
-            self.electronics.angles[motor] = state.field_angle
+            self.electronics.set_angle(motor, state.field_angle)
             # It has stood there for long: no contact is on its way.
             self.mill.place(motor, state.position_steps, self._clock.now_ns() - _LONG_AGO_NS)
             self.mill.rotors[motor].set_lost(state.lost_steps)

@@ -1,0 +1,18 @@
+"""What is looked at on the motors: whether they suit their card, and the mill that is simulated."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from fraese.assembly.misfits import described, misfits
+from fraese.doctor.findings import Check, Finding, Patient, State
+
+
+def _suit(patient: Patient) -> Finding:
+    said = misfits(patient.config)
+    found = described(patient.config) or "Step/direction drives."
+    if not said:
+        return Finding("motors", State.OK, found)
+    return Finding("motors", State.WARN, found, " ".join(said))
+
+
+MOTOR_CHECKS: Final[Sequence[Check]] = (_suit,)
