@@ -5,7 +5,6 @@ from typing import Final
 from bench.mutants.mutant import Mutant, tests_of
 
 _P: Final = "fraese/program/"
-_PROGRAM: Final = ("tests/program/test_program.py",)
 
 MUTANTS: Final = (
     Mutant(
@@ -94,7 +93,7 @@ MUTANTS: Final = (
         _P + "runfromline.py",
         "top_mm = max(safe_z_mm, z_mm)",
         "top_mm = safe_z_mm",
-        _PROGRAM,
+        tests_of("program/test_program.py", "test_from_a_line_starts_with_what_was_in_force"),
     ),
     Mutant(
         "program/translate: M49 is no protection from the override",
@@ -102,6 +101,8 @@ MUTANTS: Final = (
         _P + "translate.py",
         "acts=self._may_override",
         "acts=True",
-        _PROGRAM,
+        tests_of(
+            "program/test_program.py", "test_an_override_from_before_holds_and_m49_takes_it_away"
+        ),
     ),
 )
