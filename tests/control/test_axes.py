@@ -17,7 +17,11 @@ WORM = {"gear": "90"}
 MACHINES: dict[str, dict[str, Any]] = {
     "stepdir X": {**STEPDIR, "axes": {"names": ["x"]}},
     "stepdir X Z": {**STEPDIR, "axes": {"names": ["x", "z"]}},
-    "stepdir X Y Z A": {**STEPDIR, "axes": {"names": ["x", "y", "z", "a"], "a": WORM}},
+    "stepdir X Y Z A": {
+        **STEPDIR,
+        "axes": {"names": ["x", "y", "z", "a"], "a": WORM},
+        "simulation": {"axes": {"a": WORM}},
+    },
     "stepdir swapped": {
         **STEPDIR,
         "axes": {
@@ -27,6 +31,7 @@ MACHINES: dict[str, dict[str, Any]] = {
             "x": {"motor": 1},
             "y": {"motor": 2, "inverted": True},
         },
+        "simulation": {"axes": {"a": {**WORM, "inverted": True}, "y": {"inverted": True}}},
     },
     "smc1500 Y": {"axes": {"names": ["y"]}},
     "smc1500 X Z": {"axes": {"names": ["x", "z"], "x": {"motor": 3}, "z": {"motor": 1}}},
@@ -71,6 +76,8 @@ def stands_at(made: Plant, **wanted: float) -> None:
     state = made.controller.state()
     assert dict(zip(state.axes, state.position_mm, strict=True)) == pytest.approx(wanted, abs=0.006)
     assert at(made) == pytest.approx(wanted, abs=0.011)
+    # Without a switch a carriage counts from where it stood when the mill was new: here zero too.
+    assert dict(zip(state.axes, state.carriages_mm, strict=True)) == pytest.approx(at(made))
     assert mill(made).mill.lost_steps() == (0.0,) * len(state.axes)
 
 
@@ -171,6 +178,7 @@ def test_a_travel_without_switches_counts_once_zero_is_declared() -> None:
             "x": {"end_switches": False, "travel_mm": 100, "home_end": "max"},
             "a": {**WORM, "travel_deg": 90, "end_switches": True},
         },
+        simulation={"axes": {"a": WORM}},
     )
     controller = made.controller
     with pytest.raises(LimitError, match="further than its whole travel of 100 mm"):
