@@ -27,16 +27,45 @@ def require_reachable(position: Position, targets: Iterable[Steps]) -> None:
             here, there = position.position_steps[motor], target[motor]
             if there == here:
                 continue
-            if position.referenced[motor]:
-                low, high = limits_steps(position, motor)
-                if not low <= there <= high:
-                    raise LimitError(_outside(axis, there, position.frame))
-            elif abs(there - here) > axis.travel_mm * axis.steps_per_mm:
-                raise LimitError(
-                    f"{axis.name.upper()} would move"
-                    f" {axis.with_unit(f'{abs(axis.to_mm(there - here)):.3f}')}, further than its"
-                    f" whole travel of {axis.with_unit(axis.travel_mm)}."
-                )
+            here_mm, there_mm = axis.to_mm(here), axis.to_mm(there)
+            said = why_not(
+                axis,
+                position.referenced[motor],
+                here_mm,
+                there_mm,
+                abs(there_mm - here_mm),
+                position.frame,
+            )
+            if said:
+                raise LimitError(said)
+
+
+def why_not(
+    axis: Axis, referenced: bool, from_mm: float, to_mm: float, span_mm: float, frame: WorkFrame
+) -> str:
+    """Why an axis cannot go somewhere, in a sentence; empty: it can.
+
+    Args:
+        axis: which.
+        referenced: whether its position can be relied on.
+        from_mm: where it comes from, machine coordinates; from beyond a limit it may come back.
+        to_mm: where it is to go.
+        span_mm: way between the ends of all that it does; all that counts where it is not
+            referenced.
+        frame: for the limits in work coordinates.
+    """
+    if referenced or axis.is_endless:
+        if axis.low_mm <= to_mm <= axis.high_mm and not axis.is_endless:
+            return ""
+        # What is a little outside may still round onto the limit.
+        low, high = _limits_steps(axis, axis.to_steps(from_mm))
+        return "" if low <= axis.to_steps(to_mm) <= high else _outside(axis, to_mm, frame)
+    if span_mm <= axis.travel_mm + axis.step_mm / 2:
+        return ""
+    return (
+        f"{axis.name.upper()} would move {axis.with_unit(f'{span_mm:.3f}')}, further than its"
+        f" whole travel of {axis.with_unit(axis.travel_mm)}."
+    )
 
 
 def jog_target(
@@ -75,7 +104,8 @@ def _within(position: Position, motor: int, target_steps: int) -> int:
     """
     if not position.referenced[motor]:
         return target_steps
-    low, high = limits_steps(position, motor)
+    axis, here = position.machine.axes[motor], position.position_steps[motor]
+    low, high = _limits_steps(axis, here)
     target_steps = min(max(target_steps, low), high)
     if target_steps == position.position_steps[motor]:
         name = position.machine.axes[motor].name
@@ -83,35 +113,30 @@ def _within(position: Position, motor: int, target_steps: int) -> int:
     return target_steps
 
 
-def limits_steps(position: Position, motor: int) -> tuple[int, int]:
+def _limits_steps(axis: Axis, here_steps: int) -> tuple[int, int]:
     """Soft limits of an axis, or where it stands beyond one."""
-    axis, here = position.machine.axes[motor], position.position_steps[motor]
-    return min(axis.low_steps, here), max(axis.high_steps, here)
+    return min(axis.low_steps, here_steps), max(axis.high_steps, here_steps)
 
 
-def outside_travel(axis: Axis, value_mm: float) -> str:
-    """The sentence, without its end, for a position in machine coordinates."""
+def _outside(axis: Axis, value_mm: float, frame: WorkFrame) -> str:
+    name = axis.name.upper()
     if axis.is_endless:
         return (
-            f"{axis.name.upper()} {axis.with_unit(value_mm)} is further than steps are counted,"
-            f" {axis.with_unit(axis.to_mm(axis.high_steps))} either way"
+            f"{name} {axis.with_unit(value_mm)} is further than steps are counted,"
+            f" {axis.with_unit(axis.to_mm(axis.high_steps))} either way."
         )
-    return (
-        f"{axis.name.upper()} {axis.with_unit(f'{value_mm:.3f}')} is outside the travel,"
-        f" {axis.low_mm:g} to {axis.with_unit(axis.high_mm)} in machine coordinates"
-    )
-
-
-def _outside(axis: Axis, target_steps: int, frame: WorkFrame) -> str:
     offset_mm = frame.origin[frame.axes.index(axis.name)]
     # A turned axis has no travel of its own: it depends on where the other one stands.
     own = frame.moved_with(axis.name) == {axis.name}
     work = (
         f" (work {axis.low_mm - offset_mm:.3f} to {axis.high_mm - offset_mm:.3f})"
-        if offset_mm and own and not axis.is_endless
+        if offset_mm and own
         else ""
     )
-    return f"{outside_travel(axis, axis.to_mm(target_steps))}{work}."
+    return (
+        f"{name} {axis.with_unit(f'{value_mm:.3f}')} is outside the travel, {axis.low_mm:g} to"
+        f" {axis.with_unit(axis.high_mm)} in machine coordinates{work}."
+    )
 
 
 def require_jog(axis: Axis, distance_mm: float, longest_mm: float) -> None:

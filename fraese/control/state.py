@@ -71,6 +71,14 @@ class WorkFacts:
     def words(self) -> str:
         """What is not plain G54, for people; else empty."""
         said = [self.system] if self.system != SYSTEMS[0] else []
+        return ", ".join((*said, *self._others()))
+
+    def more(self) -> str:
+        """What else there is, behind the name of the system."""
+        return "".join(f", {text}" for text in self._others())
+
+    def _others(self) -> list[str]:
+        said = []
         if self.rotation_deg:
             said.append(f"rotated by {self.rotation_deg:g} degrees")
         if self.g92:
@@ -79,7 +87,7 @@ class WorkFacts:
             said.append(f"tool {self.tool}")
         if any(self.tool_offset_mm):
             said.append(f"tool length {self.tool_length_mm:g} mm")
-        return ", ".join(said)
+        return said
 
 
 @dataclass(frozen=True, slots=True)

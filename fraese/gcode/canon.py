@@ -1,7 +1,8 @@
 """Canonical moves: what a program means, free of modal state, in millimetres of the machine.
 
-Rule 1  Every position is (x, y, z) in machine millimetres: work offset, G92, rotation and
-        tool length are already in it, the unit of the program no longer matters.
+Rule 1  Every position has one value for each axis, in machine order, in machine millimetres, or
+        degrees of a rotary axis: work offset, G92, rotation and tool length are already in it,
+        the unit of the program no longer matters.
 Rule 2  A move is an immutable fact. Its ``line`` is the 1-based line that caused it.
 Rule 3  Some moves are questions to the outside (``BARRIERS``): whoever consumes the
         generator answers them with ``send(Facts(...))`` once the machine stands still.
@@ -14,9 +15,6 @@ from typing import Literal
 from fraese.workframe import Point
 
 Plane = Literal[17, 18, 19]
-
-# The two axes of a plane, in right-handed order, and the third axis it turns about.
-PLANE_AXES: dict[int, tuple[int, int, int]] = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
 
 
 class PathMode(StrEnum):
@@ -37,7 +35,11 @@ class Rapid:
 
 @dataclass(frozen=True, slots=True)
 class Feed:
-    """Straight to ``to``; an inverse time feed is already turned into mm/min."""
+    """Straight to ``to``; an inverse time feed is already turned into mm/min.
+
+    The feed is along X, Y and Z if any of them moves, else along U, V and W, else along A, B and
+    C; in degrees/min where that means rotary axes only.
+    """
 
     line: int
     to: Point

@@ -7,8 +7,9 @@
                           leaves that axis, or the feed, as it was
 
 The separator is found in the first line with columns and then holds for the file: semicolon,
-comma, or blanks. Without a header the columns are x, y, z, feed. Coordinates count in the
-active work offset, feeds are in units per minute.
+comma, or blanks. Without a header the columns are the machine's axes and feed: x, y, z, feed.
+Coordinates count in the active work offset, feeds are in units per minute; a rotary axis is in
+degrees, whatever the unit.
 """
 
 import re
@@ -16,18 +17,18 @@ from collections.abc import Iterable, Iterator
 from typing import Final
 
 from fraese.errors import ProgramError
+from fraese.gcode.axes import ALL, Axes
 from fraese.gcode.canon import End, Feed, Move
 from fraese.gcode.expressions import MAX_VALUE
 from fraese.gcode.setup import Setup
 from fraese.gcode.text import MAX_LINE
-from fraese.workframe import Point, WorkFrame
+from fraese.workframe import LETTERS, Point, WorkFrame
 
 UNITS_MM: Final = {"mm": 1.0, "millimetre": 1.0, "millimeter": 1.0, "inch": 25.4, "in": 25.4}
-COLUMNS: Final = ("x", "y", "z", "feed")
-_NAMES: Final = {"x": "x", "y": "y", "z": "z", "f": "feed", "feed": "feed"}
 _UNIT = re.compile(r"\bunits?\s*[:=]\s*([a-z]+)", re.IGNORECASE)
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?")
-_HEADER = re.compile(r"(?:x|y|z|f|feed)(?:[;,\s]+(?:x|y|z|f|feed))*[;,\s]*", re.IGNORECASE)
+_COLUMN: Final = f"(?:[{LETTERS}f]|feed)"
+_HEADER = re.compile(rf"{_COLUMN}(?:[;,\s]+{_COLUMN})*[;,\s]*", re.IGNORECASE)
 _IN_POINTS: Final = frozenset("+-0123456789.,;eE \t")
 
 
@@ -75,11 +76,14 @@ class _Reader:
     """What holds from line to line."""
 
     def __init__(self, setup: Setup, unit: str, feed_mm_min: float) -> None:
-        self._frame = WorkFrame.of(setup.parameters, "xyz")
-        self._at: Point = self._frame.to_work(setup.position_mm)
+        self._axes = Axes(setup.axes, setup.rotary)
+        self._frame = WorkFrame.of(setup.parameters, setup.axes)
+        here = setup.position_mm or (0.0,) * len(setup.axes)
+        self._at: Point = self._frame.to_work(here)
         self._unit_mm = _unit_mm(unit)
-        self._feed_mm_min = feed_mm_min
-        self._columns: tuple[str, ...] = COLUMNS
+        self._feed = feed_mm_min
+        self._feed_unit_mm = 1.0
+        self._columns: tuple[str, ...] = (*setup.axes, "feed")
         self._separator: str | None = None
 
     def line(self, number: int, text: str) -> Iterator[Move]:
@@ -96,10 +100,13 @@ class _Reader:
         if _is_header(data):
             self._columns = self._header(data)
             return
+        before = self._at
         self._take(data)
-        if self._feed_mm_min <= 0:
+        if self._feed <= 0:
             raise ProgramError("there is no feed: add a feed column, or give a feed for the file")
-        yield Feed(number, self._frame.to_machine(self._at), self._feed_mm_min)
+        is_angle = self._axes.way(before, self._at).is_angle
+        feed = self._feed * (1.0 if is_angle else self._feed_unit_mm)
+        yield Feed(number, self._frame.to_machine(self._at), feed)
 
     def _cells(self, data: str) -> list[str]:
         if self._separator == " ":
@@ -107,10 +114,16 @@ class _Reader:
         return [cell.strip() for cell in data.split(self._separator)]
 
     def _header(self, data: str) -> tuple[str, ...]:
-        names = [_NAMES.get(cell.lower(), "") for cell in self._cells(data) if cell]
-        if "" in names or len(set(names)) != len(names):
-            raise ProgramError("the header has to name columns out of x, y, z and feed, each once")
-        return tuple(names)
+        said = [cell.lower() for cell in self._cells(data) if cell]
+        names = tuple("feed" if name == "f" else name for name in said)
+        for name in ALL.intersection(names):
+            self._axes.require(name)
+        if len(set(names)) != len(names):
+            columns = ", ".join(self._axes.letters)
+            raise ProgramError(
+                f"the header has to name columns out of {columns} and feed, each once"
+            )
+        return names
 
     def _take(self, data: str) -> None:
         cells = self._cells(data)
@@ -124,13 +137,9 @@ class _Reader:
             for name, cell in zip(self._columns, cells, strict=False)
             if cell
         }
-        x, y, z = (
-            values[name] * self._unit_mm if name in values else old
-            for name, old in zip("xyz", self._at, strict=True)
-        )
-        self._at = (x, y, z)
+        self._at = self._axes.reached(self._at, values, self._unit_mm)
         if "feed" in values:
-            self._feed_mm_min = values["feed"] * self._unit_mm
+            self._feed, self._feed_unit_mm = values["feed"], self._unit_mm
 
     def _number(self, cell: str) -> float:
         text = cell if self._separator == "," else cell.replace(",", ".")

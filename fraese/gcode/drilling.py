@@ -5,8 +5,8 @@ from typing import Final, Literal, cast
 
 from fraese.errors import ProgramError
 from fraese.gcode import cycles
+from fraese.gcode.axes import Way, third_letter
 from fraese.gcode.canon import (
-    PLANE_AXES,
     Dwell,
     Feed,
     Move,
@@ -18,7 +18,7 @@ from fraese.gcode.canon import (
 )
 from fraese.gcode.cycles import Hole, Sticky, Stroke
 from fraese.gcode.modal import name
-from fraese.gcode.position import LETTERS, Position
+from fraese.gcode.position import Position
 from fraese.gcode.words import Block
 
 MAX_REPEATS: Final = 100_000
@@ -47,22 +47,25 @@ class Drilling:
             ProgramError: a word is missing or makes no sense.
         """
         code = cast(int, block.motion)
-        _first, _second, third = PLANE_AXES[self._modal.plane]
+        third = self._position.axes.third(self._modal.plane, name(code))
         if not block.has_axes:
             raise ProgramError(f"{name(code)} needs an axis word")
+        for letter in "abcuvw":
+            if letter in block.words:
+                raise ProgramError(f"{name(code)} is of X, Y and Z; move {letter.upper()} before")
         if self._modal.inverse_time:
             raise ProgramError("canned cycles are not possible in G93; use G94")
-        self._position.feed_for(block, 0.0, code)
+        self._position.feed_for(block, Way(0.0, False), code)
         if self._sticky is None:
             self._old_height_mm = self._position.at[third]
         if self._sticky is None or self._sticky.code != code:
             self._sticky = Sticky(code)
-        self._sticky = sticky = self._sticky.updated(block.words, LETTERS[third])
+        self._sticky = sticky = self._sticky.updated(block.words, third_letter(self._modal.plane))
         hole = self._hole(sticky)
         count = round(block.words.get("l", 1.0))
         if count > MAX_REPEATS:
             raise ProgramError(f"a canned cycle is repeated at most {MAX_REPEATS} times")
-        return self._holes(block, hole, code, count)
+        return self._holes(block, hole, third, count)
 
     def _hole(self, sticky: Sticky) -> Hole:
         """Heights of the hole from the words in force."""
@@ -70,7 +73,7 @@ class Drilling:
         if sticky.r is None:
             raise ProgramError("the canned cycle needs an R word: the height where drilling starts")
         if sticky.depth is None:
-            letter = LETTERS[PLANE_AXES[modal.plane][2]].upper()
+            letter = third_letter(modal.plane).upper()
             raise ProgramError(f"the canned cycle needs a {letter} word: the bottom of the hole")
         r_mm = sticky.r * modal.scale_mm
         bottom_mm = sticky.depth * modal.scale_mm
@@ -83,8 +86,8 @@ class Drilling:
         peck_mm = None if sticky.q is None else sticky.q * modal.scale_mm
         return Hole(r_mm, bottom_mm, clear_mm, peck_mm, sticky.p)
 
-    def _holes(self, block: Block, hole: Hole, code: int, count: int) -> Iterator[Move]:
-        _first, _second, third = PLANE_AXES[self._modal.plane]
+    def _holes(self, block: Block, hole: Hole, third: int, count: int) -> Iterator[Move]:
+        code = cast(int, block.motion)
         spindle = self._modal.spindle
         if self._old_height_mm < hole.r_mm:
             yield self._height(hole.r_mm, third)
@@ -98,7 +101,7 @@ class Drilling:
         for _ in range(count):
             across = list(self._position.target(block))
             across[third] = height_mm
-            self._position.at = (across[0], across[1], across[2])
+            self._position.at = tuple(across)
             yield Rapid(self._position.line, self._position.machine)
             if height_mm != hole.r_mm:
                 yield self._height(hole.r_mm, third)
@@ -122,7 +125,7 @@ class Drilling:
     def _height(self, height_mm: float, axis: int) -> Rapid:
         at = list(self._position.at)
         at[axis] = height_mm
-        self._position.at = (at[0], at[1], at[2])
+        self._position.at = tuple(at)
         return Rapid(self._position.line, self._position.machine)
 
     def _stroke(self, stroke: Stroke, axis: int, spindle: int) -> Iterator[Move]:

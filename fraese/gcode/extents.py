@@ -2,20 +2,22 @@
 
 import math
 
-from fraese.gcode.canon import PLANE_AXES, Arc
+from fraese.gcode.axes import Axes
+from fraese.gcode.canon import Arc
 from fraese.workframe import Point
 
 _QUARTER = math.pi / 2
 
 
-def arc_extent(start: Point, arc: Arc) -> tuple[Point, Point, float]:
+def arc_extent(start: Point, arc: Arc, axes: Axes) -> tuple[Point, Point, float]:
     """Lowest and highest corner of an arc's bounding box, and its length, in mm.
 
     Args:
         start: where it begins, machine mm.
         arc: the rest of it; a slight spiral counts with its larger radius.
+        axes: of the machine.
     """
-    first, second, third = PLANE_AXES[arc.plane]
+    first, second, third = axes.plane(arc.plane, "an arc")
     from_a, from_b = start[first] - arc.centre[0], start[second] - arc.centre[1]
     to_a, to_b = arc.to[first] - arc.centre[0], arc.to[second] - arc.centre[1]
     radius_mm = max(math.hypot(from_a, from_b), math.hypot(to_a, to_b))
@@ -38,5 +40,5 @@ def arc_extent(start: Point, arc: Arc) -> tuple[Point, Point, float]:
         quarter += 1
         whole = whole and angle < begin + math.tau
     sweep += math.tau * (abs(arc.turns) - 1)
-    length_mm = math.hypot(radius_mm * sweep, arc.to[third] - start[third])
-    return (low[0], low[1], low[2]), (high[0], high[1], high[2]), length_mm
+    rise_mm = 0.0 if third is None else arc.to[third] - start[third]
+    return tuple(low), tuple(high), math.hypot(radius_mm * sweep, rise_mm)

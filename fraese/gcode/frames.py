@@ -11,7 +11,7 @@ from fraese.errors import ProgramError
 from fraese.gcode.canon import Move, Rapid
 from fraese.gcode.expressions import whole
 from fraese.gcode.offsets import HOMES
-from fraese.gcode.position import LETTERS, Position
+from fraese.gcode.position import Position
 from fraese.gcode.setup import ToolData
 from fraese.gcode.words import Block
 from fraese.workframe import G92_OFFSET, Point
@@ -81,7 +81,7 @@ class Frames:
 
     def dynamic_length(self, block: Block) -> None:
         """G43.1: the axis words themselves."""
-        self.set_tool_offset(self._given(block, self._coordinates.frame.tool))
+        self.set_tool_offset(self._position.given(block, self._coordinates.frame.tool))
 
     def _offset_of(self, block: Block) -> Point:
         word = block.words.get("h")
@@ -91,7 +91,7 @@ class Frames:
         # H0 is whatever is in the spindle.
         number = number or self._modal.tool
         self.check_tool(number)
-        return self.tool_data(number).offset_mm
+        return self._offset_in_table(number)
 
     def check_tool(self, number: int) -> None:
         """See that a tool number can be used.
@@ -109,23 +109,21 @@ class Frames:
         self._modal.tool = number
         self._coordinates.set_tool_number(number)
 
+    def _offset_in_table(self, number: int) -> Point:
+        return self.tool_data(number).offset(self._coordinates.axes)
+
     def tool_data(self, number: int) -> ToolData:
         """What is known of a tool; nothing is 0."""
         return self._tools.get(number, ToolData())
 
-    def _given(self, block: Block, otherwise: Point) -> Point:
-        """The axis words in mm, or what holds where there is none."""
-        scale = self._modal.scale_mm
-        x, y, z = (
-            block.words[letter] * scale if letter in block.words else old
-            for letter, old in zip(LETTERS, otherwise, strict=True)
-        )
-        return x, y, z
-
     def _axis_words(self, block: Block) -> dict[str, float]:
         """The axis words in mm by axis."""
-        scale = self._modal.scale_mm
-        return {letter: block.words[letter] * scale for letter in LETTERS if letter in block.words}
+        units = self._position.axes.units[self._modal.scale_mm]
+        return {
+            letter: block.words[letter] * unit
+            for letter, (_, unit) in units.items()
+            if letter in block.words
+        }
 
     # Non-modal codes
 
@@ -149,6 +147,9 @@ class Frames:
         system = self._system_word(block)
         values = self._axis_words(block)
         rotation = block.words.get("r")
+        if rotation:
+            # A turn about Z needs both axes that it turns.
+            self._position.axes.plane(17, "G10 L2 R")
         self.shift(lambda: self._coordinates.set_system(system, values, rotation))
 
     def _set_system_here(self, block: Block) -> None:
@@ -156,7 +157,8 @@ class Frames:
             raise ProgramError("G10 L20 takes no R word; use G10 L2 to rotate")
         system = self._system_word(block)
         frame = self._coordinates.of_system(system)
-        offset = frame.offset_for(self._position.machine, self._given(block, self._position.at))
+        wanted = self._position.given(block, self._position.at)
+        offset = frame.offset_for(self._position.machine, wanted)
         moved = frame.moved_with(self._axis_words(block))
         values = {
             letter: value
@@ -173,25 +175,25 @@ class Frames:
         return number
 
     def _set_tool(self, block: Block, number: int, offset_mm: Point) -> None:
-        x_mm, y_mm, length_mm = offset_mm
+        offsets = dict(zip(self._coordinates.axes, offset_mm, strict=True))
         radius = block.words.get("r")
         diameter_mm = (
             self.tool_data(number).diameter_mm
             if radius is None
             else 2 * radius * self._modal.scale_mm
         )
-        self._tools[number] = ToolData(length_mm, diameter_mm, x_mm, y_mm)
+        self._tools[number] = ToolData(offsets.pop("z", 0.0), diameter_mm, offsets)
 
     def _tool_offset(self, block: Block) -> None:
         number = self._tool_word(block)
-        self._set_tool(block, number, self._given(block, self.tool_data(number).offset_mm))
+        self._set_tool(block, number, self._position.given(block, self._offset_in_table(number)))
 
     def _tool_here(self, block: Block, fixture: int = 0) -> None:
         """The offset with which the present place reads as the axis words."""
         number = self._tool_word(block)
         machine = self._position.machine
         offset_mm = self._coordinates.tool_offset_at(
-            machine, self._axis_words(block), self.tool_data(number).offset_mm, fixture
+            machine, self._axis_words(block), self._offset_in_table(number), fixture
         )
         self._set_tool(block, number, offset_mm)
 
@@ -202,17 +204,16 @@ class Frames:
     def _home(self, code: int, block: Block) -> Iterator[Move]:
         position = self._position
         coordinates = self._coordinates
-        given = [letter in block.words for letter in LETTERS]
+        given = [letter in block.words for letter in coordinates.axes]
         position.at = position.target(block)
         yield Rapid(position.line, position.machine)
         # Single axes go home along the program's axes, which a rotation has turned.
         stored = coordinates.frame.to_work(coordinates.read(HOMES[code]))
         every = not any(given)
-        x, y, z = (
+        position.at = tuple(
             home if every or chosen else old
             for home, chosen, old in zip(stored, given, position.at, strict=True)
         )
-        position.at = (x, y, z)
         yield Rapid(position.line, position.machine)
 
     def _store_home(self, code: int, block: Block) -> Iterable[Move]:
@@ -224,16 +225,16 @@ class Frames:
             raise ProgramError("G92 needs an axis word")
         position = self._position
         at = position.at
-        wanted = self._given(block, at)
+        wanted = self._position.given(block, at)
         old = self._coordinates.frame.g92
-        x, y, z = (o + a - w for o, a, w in zip(old, at, wanted, strict=True))
-        self.shift(lambda: self._coordinates.set_g92((x, y, z), active=True))
+        offset = tuple(o + a - w for o, a, w in zip(old, at, wanted, strict=True))
+        self.shift(lambda: self._coordinates.set_g92(offset, active=True))
         return ()
 
     def _g52(self, code: int, block: Block) -> Iterable[Move]:
         if not block.has_axes:
             raise ProgramError("G52 needs an axis word")
-        offset = self._given(block, self._coordinates.frame.g92)
+        offset = self._position.given(block, self._coordinates.frame.g92)
         self.shift(lambda: self._coordinates.set_g92(offset, active=True))
         return ()
 

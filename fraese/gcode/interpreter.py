@@ -12,6 +12,7 @@ from collections.abc import Generator, Iterable, Iterator
 
 from fraese.errors import ProgramError
 from fraese.gcode import messages, named, words
+from fraese.gcode.axes import Axes
 from fraese.gcode.canon import (
     BARRIERS,
     Arc,
@@ -23,17 +24,16 @@ from fraese.gcode.canon import (
     Rapid,
 )
 from fraese.gcode.frames import Frames
+from fraese.gcode.labels import SUBPROGRAM
 from fraese.gcode.modal import M_OFFSET, ORDER, Modal
 from fraese.gcode.motion import Motion
 from fraese.gcode.offsets import Coordinates
 from fraese.gcode.outputs import Handler, Moves, Outputs
-from fraese.gcode.oword import SUBPROGRAM, Flow
+from fraese.gcode.oword import Flow
 from fraese.gcode.parameters import Parameters
-from fraese.gcode.position import LETTERS
 from fraese.gcode.settings import Settings
 from fraese.gcode.setup import Setup
 from fraese.gcode.source import Source
-from fraese.gcode.state import ModalState, state_of
 from fraese.gcode.text import MAX_LINE
 from fraese.gcode.words import Block, BlockReader
 from fraese.workframe import Point, WorkFrame
@@ -49,30 +49,28 @@ class Interpreter:
     def __init__(self, setup: Setup | None = None) -> None:
         self.setup = setup = setup or Setup()
         self.parameters = parameters = Parameters(setup.parameters)
-        # what was in force before the first line that was not skipped
-        self.start_state: ModalState | None = None
         self._modal = Modal(tool=setup.tool, scale_mm=25.4 if setup.inches else 1.0)
-        self._motion = Motion(parameters, Coordinates(parameters, LETTERS), self._modal)
-        self._motion.at = self._motion.coordinates.frame.to_work(setup.position_mm)
+        axes = Axes(setup.axes, setup.rotary)
+        coordinates = Coordinates(parameters, setup.axes)
+        self._motion = Motion(axes, parameters, coordinates, self._modal)
+        self._motion.at = coordinates.frame.to_work(setup.position_mm or coordinates.nothing)
         self._frames = Frames(self._motion, setup.tools)
         self._settings = Settings(self._motion, self._frames)
         self._outputs = Outputs(self._motion, self._frames, self._settings)
         # where the last move inside a loop or subroutine went
         self._last_to: Point | None = None
-        self._reader = BlockReader(parameters)
+        self._reader = BlockReader(parameters, axes)
         self._flow = Flow(Source((), setup.file), parameters, setup.folders, 0)
         self._handlers: dict[str, Handler] = dict.fromkeys(ORDER, self._set)
         self._handlers.update(self._outputs.handlers())
         self._handlers.update(f=self._feed, state=self._state, nonmodal=self._nonmodal)
         named.install(parameters, self._motion, self._frames, lambda: self._flow)
 
-    def run(self, lines: Iterable[str], start_line: int = 1) -> Generator[Move, Facts | None, None]:
+    def run(self, lines: Iterable[str]) -> Generator[Move, Facts | None, None]:
         """Yield the program's moves; answer each barrier with ``send``.
 
         Args:
             lines: the program's lines, with or without their ends.
-            start_line: where to begin. The lines before it are carried out as commanded, but
-                their moves are not yielded; ``start_state`` then says what is in force there.
 
         Raises:
             ProgramError: a line is refused.
@@ -80,15 +78,16 @@ class Interpreter:
         source = Source(lines, self.setup.file)
         self._flow = Flow(source, self.parameters, self.setup.folders, self.setup.max_idle_lines)
         try:
-            yield from self._lines(start_line)
+            yield from self._lines()
         except ProgramError as error:
             now = self._flow.source
             line = error.line or max(now.line, 1)
             raise ProgramError(error.message, line, error.file or now.file) from error
 
-    def modal_state(self) -> ModalState:
-        """What is in force behind the last line that was read."""
-        return state_of(self._motion, self._flow.source.line)
+    @property
+    def modal(self) -> Modal:
+        """What is in force behind the last line that was read; changes with the next."""
+        return self._modal
 
     @property
     def frame(self) -> WorkFrame:
@@ -102,20 +101,16 @@ class Interpreter:
 
     # Line by line
 
-    def _lines(self, start_line: int) -> Generator[Move, Facts | None, None]:
+    def _lines(self) -> Generator[Move, Facts | None, None]:
         flow = self._flow
         motion = self._motion
-        started = False
         percent = False
         blank = True
         while not self._outputs.ended:
             text = flow.next()
             if text is None:
                 break
-            motion.line = line = flow.source.line
-            if not started and line >= start_line and not flow.call_level:
-                started = True
-                self.start_state = self.modal_state()
+            motion.line = flow.source.line
             if blank and text.strip():
                 blank = False
                 text = text.removeprefix("\ufeff")
@@ -125,13 +120,11 @@ class Interpreter:
             if percent and text.strip() == "%":
                 break
             for move in self._line(text):
-                facts = (yield move) if started else None
+                facts = yield move
                 if type(move) in BARRIERS:
                     self._answer(move, facts)
                 if flow.idle_lines and self._gets_on(move):
                     flow.idle_lines = 0
-        if not started and start_line > 1:
-            raise ProgramError(f"the program ends before line {start_line}")
         if not self._outputs.ended:
             yield from self._outputs.end(max(flow.source.line, 1))
 
@@ -168,8 +161,7 @@ class Interpreter:
     def _o_word(self, text: str) -> Moves:
         flow = self._flow
         level = flow.call_level
-        word = flow.read(text)
-        flow.do(word)
+        word = flow.take(text)
         if flow.over:
             return self._outputs.end(self._motion.line)
         # M99 leaves even where it begins the next repetition.

@@ -4,14 +4,13 @@ A method returns its moves and leaves the position behind them; where the outsid
 it, as after a probe, the position is set when its answer is known.
 """
 
-import math
 from collections.abc import Callable, Iterable
 from typing import Final, cast
 
 from fraese.errors import ProgramError
 from fraese.gcode import arcs
+from fraese.gcode.axes import Axes, Way, plane_letters, third_letter
 from fraese.gcode.canon import (
-    PLANE_AXES,
     Arc,
     Facts,
     Feed,
@@ -23,10 +22,11 @@ from fraese.gcode.drilling import Drilling
 from fraese.gcode.modal import CYCLES, Modal, name
 from fraese.gcode.offsets import Coordinates
 from fraese.gcode.parameters import Parameters
-from fraese.gcode.position import LETTERS, Position
+from fraese.gcode.position import Position
 from fraese.gcode.words import Block
+from fraese.workframe import numbers
 
-OFFSET_LETTERS: Final = "ijk"
+OFFSET_LETTERS: Final = {"x": "i", "y": "j", "z": "k"}
 PROBE_RESULT: Final = 5061
 PROBE_TOUCHED: Final = 5070
 MAX_TURNS: Final = 100_000
@@ -35,8 +35,10 @@ MAX_TURNS: Final = 100_000
 class Motion(Position):
     """The motion codes."""
 
-    def __init__(self, parameters: Parameters, coordinates: Coordinates, modal: Modal) -> None:
-        super().__init__(coordinates, modal)
+    def __init__(
+        self, axes: Axes, parameters: Parameters, coordinates: Coordinates, modal: Modal
+    ) -> None:
+        super().__init__(axes, coordinates, modal)
         self._parameters = parameters
         self._drilling = Drilling(self)
 
@@ -72,8 +74,8 @@ class Motion(Position):
         to = self.target(block)
         modal = self.modal
         feed_mm_min = modal.feed_mm_min
-        if modal.inverse_time or feed_mm_min <= 0:
-            feed_mm_min = self.feed_for(block, math.dist(self.at, to), 10)
+        if modal.inverse_time or feed_mm_min <= 0 or not self.axes.only_linear:
+            feed_mm_min = self.feed_for(block, self.axes.way(self.at, to), 10)
         self.at = to
         return (Feed(self.line, self.coordinates.frame.to_machine(to), feed_mm_min),)
 
@@ -84,36 +86,31 @@ class Motion(Position):
             raise ProgramError("G53 needs G90: machine coordinates are absolute")
         frame = self.coordinates.frame
         here = frame.to_machine(self.at)
-        scale = self.modal.scale_mm
-        words = block.words
-        x, y, z = (
-            words[letter] * scale if letter in words else old
-            for letter, old in zip(LETTERS, here, strict=True)
-        )
-        to = (x, y, z)
+        to = self.given(block, here)
         self.at = frame.to_work(to)
         if code == 0:
             return (Rapid(self.line, to),)
-        return (Feed(self.line, to, self.feed_for(block, math.dist(here, to), code)),)
+        return (Feed(self.line, to, self.feed_for(block, self.axes.way(here, to), code)),)
 
     # Arcs
 
     def _arc(self, block: Block) -> Iterable[Move]:
         modal = self.modal
         code = cast(int, block.motion)
-        first, second, third = PLANE_AXES[modal.plane]
-        self._check_arc_words(block.words, (first, second, third))
+        first, second, third = self.axes.plane(modal.plane, name(code))
+        self._check_arc_words(block.words)
         to = self.target(block)
         start, end = (self.at[first], self.at[second]), (to[first], to[second])
         turns = self._turns(block.words.get("p"), code)
         if not modal.inverse_time:
-            self.feed_for(block, 0.0, code)
+            self.feed_for(block, Way(0.0, False), code)
         centre = self._centre(block.words, start, end, turns > 0)
-        length_mm = arcs.length_mm(start, end, centre, turns, to[third] - self.at[third])
-        feed_mm_min = self.feed_for(block, length_mm, code)
-        middle = [0.0, 0.0, 0.0]
+        rise_mm = 0.0 if third is None else to[third] - self.at[third]
+        length_mm = arcs.length_mm(start, end, centre, turns, rise_mm)
+        feed_mm_min = self.feed_for(block, Way(length_mm, False), code)
+        middle = list(self.at)
         middle[first], middle[second] = centre
-        machine = self.coordinates.frame.to_machine((middle[0], middle[1], middle[2]))
+        machine = self.coordinates.frame.to_machine(tuple(middle))
         self.at = to
         return (
             Arc(
@@ -126,22 +123,21 @@ class Motion(Position):
             ),
         )
 
-    def _check_arc_words(self, words: dict[str, float], axes: tuple[int, int, int]) -> None:
-        first, second, third = axes
+    def _check_arc_words(self, words: dict[str, float]) -> None:
+        ends = plane_letters(self.modal.plane)
         plane = f"G{self.modal.plane}"
-        if OFFSET_LETTERS[third] in words:
-            raise ProgramError(f"{OFFSET_LETTERS[third].upper()} has no meaning in plane {plane}")
-        offsets = OFFSET_LETTERS[first] in words or OFFSET_LETTERS[second] in words
+        across = OFFSET_LETTERS[third_letter(self.modal.plane)]
+        if across in words:
+            raise ProgramError(f"{across.upper()} has no meaning in plane {plane}")
+        offsets = any(OFFSET_LETTERS[end] in words for end in ends)
         if "r" in words and offsets:
             raise ProgramError("an arc takes either R or a centre by I, J, K, not both")
         if "r" not in words and not offsets:
             raise ProgramError("an arc needs R or a centre by I, J, K")
         polar = "@" in words or "^" in words
-        if "r" in words and not polar:
-            ends = LETTERS[first] in words or LETTERS[second] in words
-            if not ends:
-                both = f"{LETTERS[first].upper()} or {LETTERS[second].upper()}"
-                raise ProgramError(f"an arc with R needs its end: {both} in plane {plane}")
+        if "r" in words and not polar and ends[0] not in words and ends[1] not in words:
+            both = " or ".join(letter.upper() for letter in ends)
+            raise ProgramError(f"an arc with R needs its end: {both} in plane {plane}")
         if self.coordinates.frame.is_rotated and self.modal.plane != 17:
             raise ProgramError("a rotated coordinate system allows arcs in plane G17 only")
 
@@ -158,7 +154,7 @@ class Motion(Position):
         radius = words.get("r")
         if radius is not None:
             return arcs.centre_by_radius(start, end, radius * scale, left)
-        first, second, _ = PLANE_AXES[self.modal.plane]
+        first, second = plane_letters(self.modal.plane)
         letters = OFFSET_LETTERS[first], OFFSET_LETTERS[second]
         if self.modal.arc_absolute:
             for letter in letters:
@@ -178,11 +174,11 @@ class Motion(Position):
     def _probe(self, block: Block) -> Iterable[Move]:
         code = cast(int, block.motion)
         if not block.has_axes:
-            raise ProgramError(f"{name(code)} needs an X, Y or Z word")
+            raise ProgramError(f"{name(code)} needs an axis word")
         if self.modal.inverse_time:
             raise ProgramError("probing is not possible in G93; use G94")
-        feed_mm_min = self.feed_for(block, 0.0, code)
         to = self.target(block)
+        feed_mm_min = self.feed_for(block, self.axes.way(self.at, to), code)
         towards, must = code in (382, 383), code in (382, 384)
         # Without a way to go a probe that must touch cannot; the others just do nothing.
         if must and self.at == to:
@@ -201,8 +197,10 @@ class Motion(Position):
             facts = Facts(probe.to, touched=probe.must_touch)
         contact = facts.position_mm if facts.contact_mm is None else facts.contact_mm
         values = self.coordinates.frame.to_work(contact)
-        for index, value in enumerate(values, start=PROBE_RESULT):
-            self._parameters.set(index, value / self.modal.scale_mm)
+        places = numbers(PROBE_RESULT, self.axes.letters)
+        scales = self.axes.scales[self.modal.scale_mm]
+        for place, value, unit in zip(places, values, scales, strict=True):
+            self._parameters.set(place, value / unit)
         self._parameters.set(PROBE_TOUCHED, float(facts.touched))
         self.at = self.coordinates.frame.to_work(facts.position_mm)
         if probe.must_touch and not facts.touched:

@@ -8,8 +8,8 @@ from fraese.gcode.frames import Frames
 from fraese.gcode.messages import DEBUG_SWITCH
 from fraese.gcode.oword import Flow
 from fraese.gcode.parameters import Live, Parameters
-from fraese.gcode.position import LETTERS, Position
-from fraese.workframe import TOOL_NUMBER, TOOL_OFFSET
+from fraese.gcode.position import Position
+from fraese.workframe import LETTERS, TOOL_NUMBER, TOOL_OFFSET, numbers
 
 POSITION: Final = 5420
 TOOL_DIAMETER: Final = 5410
@@ -32,15 +32,15 @@ def install(
 
 
 def _program_position(position: Position, axis: int) -> Live:
-    return lambda: position.at[axis] / position.modal.scale_mm
+    return lambda: position.at[axis] / position.axes.scales[position.modal.scale_mm][axis]
 
 
 def _machine_position(position: Position, axis: int) -> Live:
-    return lambda: position.machine[axis] / position.modal.scale_mm
+    return lambda: position.machine[axis] / position.axes.scales[position.modal.scale_mm][axis]
 
 
 def _tool_offset(position: Position, frames: Frames, axis: int) -> Live:
-    return lambda: frames.tool_data(position.modal.tool).offset_mm[axis]
+    return lambda: frames.tool_data(position.modal.tool).offset(position.axes.letters)[axis]
 
 
 def _constant(value: float) -> Live:
@@ -49,11 +49,19 @@ def _constant(value: float) -> Live:
 
 def _numbered(position: Position, frames: Frames) -> dict[int, Live]:
     modal = position.modal
-    return {
+    # What the machine has not is asked for as well, and stands at nothing.
+    answers = {
+        number: _constant(0.0)
+        for first in (TOOL_OFFSET, POSITION)
+        for number in numbers(first, LETTERS)
+    }
+    for axis, letter in enumerate(position.axes.letters):
+        (of_tool,), (of_position,) = numbers(TOOL_OFFSET, letter), numbers(POSITION, letter)
+        answers[of_tool] = _tool_offset(position, frames, axis)
+        answers[of_position] = _program_position(position, axis)
+    return answers | {
         TOOL_NUMBER: lambda: float(modal.tool),
-        **{TOOL_OFFSET + axis: _tool_offset(position, frames, axis) for axis in range(3)},
         TOOL_DIAMETER: lambda: frames.tool_data(modal.tool).diameter_mm,
-        **{POSITION + axis: _program_position(position, axis) for axis in range(3)},
     }
 
 
@@ -67,8 +75,10 @@ def _control(flow: Callable[[], Flow]) -> dict[str, Live]:
 
 
 def _places(position: Position) -> dict[str, Live]:
-    answers: dict[str, Live] = {}
-    for axis, letter in enumerate(LETTERS):
+    answers = {
+        name: _constant(0.0) for letter in LETTERS for name in (f"_{letter}", f"_abs_{letter}")
+    }
+    for axis, letter in enumerate(position.axes.letters):
         answers[f"_{letter}"] = _program_position(position, axis)
         answers[f"_abs_{letter}"] = _machine_position(position, axis)
     return answers
@@ -120,6 +130,5 @@ def _constants() -> dict[str, Live]:
         "_feed_hold": 1.0,
         "_remap_level": 0.0,
         "_task": 0.0,
-        **{f"_{letter}": 0.0 for letter in "abcuvw"},
     }
     return {name: _constant(value) for name, value in constants.items()}

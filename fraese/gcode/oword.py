@@ -8,35 +8,19 @@ What must be kept in memory: the body of a loop while it runs, every subroutine 
 defined, and, where a subroutine is called before it is defined, the lines in between.
 """
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final
 
 from fraese.errors import ProgramError
 from fraese.gcode.expressions import Reader, whole
+from fraese.gcode.labels import LabelReader, OWord
 from fraese.gcode.parameters import ARGUMENTS, Parameters, Scope
 from fraese.gcode.source import Source
 from fraese.gcode.subroutines import PROGRAM_NUMBER, Library, Sub
-from fraese.gcode.words import plain
 
 MAX_CALLS: Final = 9
-# A line that calls a numbered subprogram or ends it.
-SUBPROGRAM: Final = re.compile(r"m9[89](?![0-9.])")
-# Longer ones first where one starts like another.
-_KEYWORD = re.compile(
-    r"sub|endsub|call|return|if|elseif|else|endif|endwhile|while|do|endrepeat|repeat"
-    r"|break|continue"
-)
-
-
-class OWord(NamedTuple):
-    """An O-word line: its name, what to do, and the text behind."""
-
-    name: str
-    keyword: str
-    rest: str
 
 
 @dataclass(slots=True)
@@ -89,7 +73,8 @@ class Flow:
         self.over = False
         self._callers: list[Frame] = []
         self._parameters = parameters
-        self._library = Library(source, folders, self._label)
+        self._labels = LabelReader(parameters)
+        self._library = Library(source, folders, self._labels.label)
         self._max_idle_lines = max_idle_lines
 
     @property
@@ -120,25 +105,15 @@ class Flow:
                 f"{self._max_idle_lines} lines went by without motion: this loop never ends"
             )
 
-    def read(self, text: str) -> OWord:
-        """The O-word on a plain line that starts with O, or the M98 or M99 that it starts with.
+    def take(self, text: str) -> OWord:
+        """Carry out what stands on a plain line that starts with O, M98 or M99.
 
         Raises:
-            ProgramError: it is none.
+            ProgramError: it is none, or does not fit here.
         """
-        if text[0] == "m":
-            return OWord("", text[:3], text[3:].replace("(", ""))
-        reader = Reader(text, self._parameters, 1)
-        if reader.peek() == "<":
-            name = reader.name()
-        else:
-            name = str(whole(reader.value(), "the number of an O-word"))
-        if not reader.rest().strip("("):
-            return OWord(name, PROGRAM_NUMBER, "")
-        match = _KEYWORD.match(text, reader.at)
-        if match is None:
-            raise ProgramError(f"o<{name}> needs a known word behind it, such as sub, call or if")
-        return OWord(name, match.group(), text[match.end() :].rstrip("("))
+        word = self._labels.read(text)
+        self.do(word)
+        return word
 
     def do(self, word: OWord) -> None:
         """Carry out an O-word.
@@ -151,58 +126,17 @@ class Flow:
             raise ProgramError(f"{word.keyword!r} is not known behind an O-word")
         handler(self, word)
 
-    # Reading what stands behind the keyword
-
-    def _expressions(self, word: OWord) -> list[float]:
-        reader = Reader(word.rest, self._parameters)
-        values = []
-        # In a call comments may stand in between; all that is left of one is its bracket.
-        starts = "[(" if word.keyword == "call" else "["
-        while (first := reader.peek()) and first in starts:
-            if first == "(":
-                reader.at += 1
-            else:
-                values.append(reader.expression())
-        if reader.peek():
-            raise ProgramError(
-                f"{reader.rest()[:8]!r} cannot stand behind o<{word.name}> {word.keyword}"
-            )
-        return values
-
-    def _number(self, word: OWord) -> float:
-        values = self._expressions(word)
-        if len(values) != 1:
-            raise ProgramError(f"{word.keyword} needs one expression in square brackets")
-        return values[0]
-
-    def _condition(self, word: OWord) -> bool:
-        return self._number(word) != 0
-
     def _skip(self, word: OWord, *keywords: str) -> OWord:
         """Go on to the next O-word of the same name with one of these keywords."""
         line = self.source.line
         while (text := self.source.next()) is not None:
-            found = self._passed(text)
+            found = self._labels.passed(text)
             if found is not None and found.name == word.name and found.keyword in keywords:
                 return found
         said = " or ".join(keywords)
         raise ProgramError(
             f"o<{word.name}> {word.keyword} has no {said} before the end of file", line
         )
-
-    def _passed(self, text: str) -> OWord | None:
-        """The O-word on a line that is only passed over: what is wrong with it is no matter."""
-        if "o" not in text and "O" not in text:
-            return None
-        try:
-            text = plain(text)
-            return self.read(text) if text.startswith("o") else None
-        except ProgramError:
-            return None
-
-    def _label(self, text: str) -> tuple[str, str] | None:
-        found = self._passed(text)
-        return None if found is None else (found.name, found.keyword)
 
     def _begin(self, word: OWord) -> None:
         """A label belongs to one line, so that skipping finds the right end."""
@@ -219,7 +153,7 @@ class Flow:
 
     def _if(self, word: OWord) -> None:
         self._begin(word)
-        while not self._condition(word):
+        while not self._labels.condition(word):
             word = self._skip(word, "elseif", "else", "endif")
             if word.keyword != "elseif":
                 return
@@ -237,7 +171,7 @@ class Flow:
             self._end_of_do(word, loop)
             return
         self._begin(word)
-        if self._condition(word):
+        if self._labels.condition(word):
             self._enter(word)
         else:
             self._skip(word, "endwhile")
@@ -248,7 +182,7 @@ class Flow:
 
     def _repeat(self, word: OWord) -> None:
         self._begin(word)
-        count = round(self._number(word))
+        count = round(self._labels.number(word))
         if count > 0:
             self._enter(word, count)
         else:
@@ -264,14 +198,14 @@ class Flow:
     def _end_of_do(self, word: OWord, loop: Loop) -> None:
         if loop.head.keyword != "do":
             raise ProgramError(f"o<{word.name}> while is already running")
-        if self._condition(word):
+        if self._labels.condition(word):
             self.source.back(loop.place)
         else:
             self._leave(word)
 
     def _endwhile(self, word: OWord) -> None:
         loop = self._running(word, "while")
-        if self._condition(loop.head):
+        if self._labels.condition(loop.head):
             self.source.back(loop.place)
         else:
             self._leave(word)
@@ -309,7 +243,7 @@ class Flow:
         self._library.define(word.name, self.source)
 
     def _call(self, word: OWord) -> None:
-        arguments = self._expressions(word)
+        arguments = self._labels.expressions(word)
         if len(arguments) > ARGUMENTS:
             raise ProgramError(f"a call takes at most {ARGUMENTS} arguments")
         self._go_deeper()
@@ -329,7 +263,7 @@ class Flow:
             raise ProgramError(f"subprogram O{frame.name} was called by M98 and returns by M99")
         if frame.scope is None:
             raise ProgramError(f"o<{word.name}> {word.keyword} stands outside any subroutine")
-        values = self._expressions(word)
+        values = self._labels.expressions(word)
         self.value = values[0] if values else 0.0
         self.value_returned = float(bool(values))
         self._back_from(frame.scope)

@@ -2,19 +2,21 @@
 
 Rule 1  ``at`` is where the program believes to be, in mm of the program's coordinates;
         canonical moves get machine coordinates.
-Rule 2  A feed is in mm/min of the path, whichever of G93 and G94 is in force.
+Rule 2  A feed is in mm/min of the path, whichever of G93 and G94 is in force; in degrees/min
+        where nothing but rotary axes moves.
 """
 
 import math
+from operator import add
 from typing import Final
 
 from fraese.errors import ProgramError
+from fraese.gcode.axes import Axes, Way
 from fraese.gcode.modal import Modal, name
 from fraese.gcode.offsets import Coordinates
 from fraese.gcode.words import Block
 from fraese.workframe import Point
 
-LETTERS: Final = "xyz"
 # The feed that G93 gives a move of next to no length, in units per minute.
 LEAST_FEED: Final = 0.1
 
@@ -22,10 +24,11 @@ LEAST_FEED: Final = 0.1
 class Position:
     """Place, modal state and coordinates, shared by everything that moves or shifts."""
 
-    def __init__(self, coordinates: Coordinates, modal: Modal) -> None:
+    def __init__(self, axes: Axes, coordinates: Coordinates, modal: Modal) -> None:
+        self.axes = axes
         self.modal = modal
         self.coordinates = coordinates
-        self.at: Point = (0.0, 0.0, 0.0)
+        self.at: Point = coordinates.nothing
         # the line that is being carried out
         self.line = 0
 
@@ -37,26 +40,24 @@ class Position:
     def target(self, block: Block) -> Point:
         """Where the axis words lead, in program mm."""
         words = block.words
-        x, y, z = self.at
-        scale = self.modal.scale_mm
-        get = words.get
-        if "@" in words or "^" in words:
-            x, y = self._polar(words)
-        if self.modal.absolute:
-            if (word := get("x")) is not None:
-                x = word * scale
-            if (word := get("y")) is not None:
-                y = word * scale
-            if (word := get("z")) is not None:
-                z = word * scale
-            return x, y, z
-        return x + get("x", 0.0) * scale, y + get("y", 0.0) * scale, z + get("z", 0.0) * scale
+        modal = self.modal
+        at = self._by_polar(words) if "@" in words or "^" in words else self.at
+        if modal.absolute:
+            return self.axes.reached(at, words, modal.scale_mm)
+        by = self.axes.reached(self.coordinates.nothing, words, modal.scale_mm)
+        return tuple(map(add, at, by))
 
-    def _polar(self, words: dict[str, float]) -> tuple[float, float]:
+    def given(self, block: Block, otherwise: Point) -> Point:
+        """The axis words in mm and degrees, or what holds where there is none."""
+        return self.axes.reached(otherwise, block.words, self.modal.scale_mm)
+
+    def _by_polar(self, words: dict[str, float]) -> Point:
         """X and Y from distance and angle; what is not given stays as it is."""
         if "x" in words or "y" in words:
             raise ProgramError("polar coordinates (@ and ^) cannot be mixed with X or Y")
-        x, y, _ = self.at
+        first, second, _ = self.axes.plane(17, "@ or ^")
+        to = list(self.at)
+        x, y = to[first], to[second]
         radius_mm, angle_deg = math.hypot(x, y), math.degrees(math.atan2(y, x))
         if not self.modal.absolute and radius_mm == 0:
             raise ProgramError("at the origin there is no direction for incremental @ and ^")
@@ -67,20 +68,22 @@ class Position:
             radius_mm += words.get("@", 0.0) * self.modal.scale_mm
             angle_deg += words.get("^", 0.0)
         angle = math.radians(angle_deg)
-        return radius_mm * math.cos(angle), radius_mm * math.sin(angle)
+        to[first], to[second] = radius_mm * math.cos(angle), radius_mm * math.sin(angle)
+        return tuple(to)
 
-    def feed_for(self, block: Block, length_mm: float, code: int) -> float:
-        """Feed of this move in mm/min.
+    def feed_for(self, block: Block, way: Way, code: int) -> float:
+        """Feed of this move along what it counts along, in mm/min or degrees/min.
 
         Raises:
             ProgramError: no feed is in force.
         """
-        if not self.modal.inverse_time:
-            feed_mm_min = self.modal.feed_mm_min
-            if feed_mm_min <= 0:
+        modal = self.modal
+        if not modal.inverse_time:
+            if modal.feed_mm_min <= 0:
                 raise ProgramError(f"{name(code)} needs a feed: give an F word above 0 first")
-            return feed_mm_min
+            # An angle is no length: G20 leaves it alone.
+            return modal.feed_word if way.is_angle else modal.feed_mm_min
         inverse = block.words.get("f")
         if inverse is None or inverse <= 0:
             raise ProgramError(f"{name(code)} needs its own F word above 0 while G93 is in force")
-        return max(length_mm * inverse, LEAST_FEED * self.modal.scale_mm)
+        return max(way.length * inverse, LEAST_FEED * (1.0 if way.is_angle else modal.scale_mm))

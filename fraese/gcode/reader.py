@@ -1,15 +1,11 @@
-"""A file of whatever kind as canonical moves."""
+"""What a file holds: a program, or a list of coordinates."""
 
-from collections.abc import Generator
 from contextlib import closing
 from itertools import islice
 from pathlib import Path
 from typing import Final, Literal
 
-from fraese.gcode.canon import Facts, Move
-from fraese.gcode.coordlist import looks_like_points, read_points
-from fraese.gcode.interpreter import Interpreter
-from fraese.gcode.setup import Setup
+from fraese.gcode.coordlist import looks_like_points
 from fraese.gcode.text import read_lines
 
 Kind = Literal["gcode", "points"]
@@ -32,27 +28,3 @@ def kind_of(path: Path) -> Kind:
         return kind
     with closing(read_lines(path)) as lines:
         return "points" if looks_like_points(islice(lines, GLANCE)) else "gcode"
-
-
-def read_moves(
-    path: Path,
-    setup: Setup,
-    unit: str = "mm",
-    feed_mm_min: float = 0.0,
-) -> Generator[Move, Facts | None, None]:
-    """Yield the moves of a file; answer barriers with ``send``.
-
-    Args:
-        path: program or list of coordinates.
-        setup: what the program finds.
-        unit: unit of a list of coordinates that does not say its own.
-        feed_mm_min: feed of a list of coordinates that has none; 0 for none.
-
-    Raises:
-        ProgramError: the file cannot be read, or a line is refused.
-    """
-    lines = read_lines(path, setup.file)
-    if kind_of(path) == "gcode":
-        yield from Interpreter(setup).run(lines)
-    else:
-        yield from read_points(lines, setup, unit, feed_mm_min)

@@ -13,13 +13,13 @@ class ToolData:
 
     length_mm: float = 0.0
     diameter_mm: float = 0.0
-    x_mm: float = 0.0
-    y_mm: float = 0.0
+    # offsets along other axes than Z, by letter
+    others: Mapping[str, float] = field(default_factory=dict)
 
-    @property
-    def offset_mm(self) -> Point:
-        """What G43 applies."""
-        return self.x_mm, self.y_mm, self.length_mm
+    def offset(self, axes: str) -> Point:
+        """What G43 applies to these axes."""
+        offsets = {**self.others, "z": self.length_mm}
+        return tuple(offsets.get(letter, 0.0) for letter in axes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,9 @@ class Setup:
     """What the interpreter is told before the first line.
 
     Args:
-        position_mm: start position in machine coordinates.
+        axes: letters of the machine's axes, in machine order; so are all points.
+        rotary: which of them are in degrees.
+        position_mm: start position in machine coordinates; empty: zero.
         parameters: persistent numbered parameters as of LinuxCNC (5161.. and 5181.. for G28
             and G30, 5210 and 5211.. for G92, 5220 for the active system, 5221.. for G54 to
             G59.3), lengths in mm.
@@ -42,7 +44,9 @@ class Setup:
             the program counts as one that never ends.
     """
 
-    position_mm: Point = (0.0, 0.0, 0.0)
+    axes: str = "xyz"
+    rotary: str = "abc"
+    position_mm: Point = ()
     parameters: Mapping[int, float] = field(default_factory=dict)
     tools: Mapping[int, ToolData] | None = None
     tool: int = 0

@@ -11,6 +11,7 @@ from typing import Final
 
 from fraese.errors import ProgramError
 from fraese.gcode import modal
+from fraese.gcode.axes import ALL, Axes
 from fraese.gcode.expressions import Reader, number
 from fraese.gcode.modal import AXIS_USERS, CYCLES, M_OFFSET, WORD_USERS
 from fraese.gcode.parameters import Parameters
@@ -23,12 +24,12 @@ _GRBL: Final = re.compile(r"\$(?![-+0-9.#\[])")
 # Stands for a comment inside a line, so that what it divides is not joined.
 _MARK: Final = "("
 
-AXES: Final = frozenset("xyz@^")
+AXES: Final = ALL | frozenset("@^")
 OFFSETS: Final = frozenset("ijk")
-LETTERS: Final = frozenset("defhijklpqrstxyz@^$")
+# Letters of words that are no axes.
+LETTERS: Final = frozenset("defhijklpqrst@^$")
 # Words that any block may have; all others need a code that uses them.
-PLAIN: Final = frozenset("fstxyz@^")
-_NO_AXIS: Final = frozenset("abcuvw")
+PLAIN: Final = AXES | frozenset("fst")
 
 
 class Block:
@@ -104,10 +105,12 @@ def strip_line_number(text: str) -> str:
 
 
 class BlockReader:
-    """Reads blocks; keeps a memory of spellings of codes, and the parameters."""
+    """Reads blocks; keeps the parameters, a memory of spellings of codes, and knows the axes."""
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Parameters, axes: Axes) -> None:
         self._parameters = parameters
+        self._axes = axes
+        self._letters = LETTERS | frozenset(axes.letters)
         self._g_codes: dict[str, tuple[int, str]] = {}
 
     def read(self, text: str, comment: str = "") -> Block:
@@ -119,12 +122,13 @@ class BlockReader:
         block = Block()
         block.comment = comment
         words = block.words
+        letters = self._letters
         while text:
             rest = ""
             for letter, digits, rest in _WORDS.findall(text):  # noqa: B007 rest is used below
                 if letter == "g":
                     self._add_g(block, digits)
-                elif letter in LETTERS and letter not in words:
+                elif letter in letters and letter not in words:
                     try:
                         words[letter] = float(digits)
                     except ValueError:
@@ -170,10 +174,10 @@ class BlockReader:
             self._add_m(block, value)
         elif letter in block.words:
             raise ProgramError(f"there are two {letter.upper()} words on one line")
-        elif letter in LETTERS:
+        elif letter in self._letters:
             block.words[letter] = value
-        elif letter in _NO_AXIS:
-            raise ProgramError(f"this mill has no axis {letter.upper()}; it has X, Y and Z")
+        elif letter in ALL:
+            self._axes.require(letter)
         else:
             raise ProgramError(f"{letter.upper()!r} cannot be used here")
 

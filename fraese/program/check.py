@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from fraese.blocks import Block
-from fraese.control.softlimits import outside_travel
+from fraese.control.softlimits import why_not
 from fraese.errors import LimitError, ProgramError
 from fraese.gcode import canon
 from fraese.gcode.extents import arc_extent
@@ -80,21 +80,14 @@ class Survey:
     """Sums up moves as they pass."""
 
     context: ProgramContext
-    low: list[float] = field(default_factory=lambda: [math.inf] * 3)
-    high: list[float] = field(default_factory=lambda: [-math.inf] * 3)
+    source: ProgramSource
     length_mm: float = 0.0
     outside: list[Complaint] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        machine = self.context.machine
-        self._at: Point = self._start()
-        self._limits_steps = [
-            (axis.to_steps(axis.low_mm), axis.to_steps(axis.high_mm)) for axis in machine.axes
-        ]
-
-    def _start(self) -> Point:
-        x_mm, y_mm, z_mm = self.context.machine.to_mm(self.context.start_steps)
-        return (x_mm, y_mm, z_mm)
+        self._at: Point = self.context.start_mm
+        self.low = [math.inf] * len(self._at)
+        self.high = [-math.inf] * len(self._at)
 
     def watch(self, moves: Moves) -> Moves:
         """Pass everything on, both ways."""
@@ -128,51 +121,40 @@ class Survey:
             facts = yield move
 
     def _take(self, move: canon.Move) -> None:
+        axes, before = self.source.axes, self._at
         if isinstance(move, canon.Arc):
-            low, high, length_mm = arc_extent(self._at, move)
+            low, high, length_mm = arc_extent(before, move, axes)
         else:
-            to = move.to  # type: ignore[union-attr]
-            if to == self._at:
+            low = high = move.to  # type: ignore[union-attr]
+            if low == before:
                 # A motion code alone on its line: canonical, but it goes nowhere.
                 return
-            low = high = to
-            length_mm = math.dist(self._at, to)
-        before = self._at
+            way = axes.way(before, low)
+            length_mm = 0.0 if way.is_angle else way.length
         self._at = move.to  # type: ignore[union-attr]
         self.length_mm += length_mm
-        for i in range(3):
+        for i, before_mm in enumerate(before):
             if low[i] < self.low[i]:
                 self.low[i] = low[i]
                 # An axis that stands outside and is not moved harms nothing.
-                if low[i] < before[i]:
-                    self._check(i, low[i], move.line)
+                if low[i] < before_mm:
+                    self._check(i, before_mm, low[i], move.line)
             if high[i] > self.high[i]:
                 self.high[i] = high[i]
-                if high[i] > before[i]:
-                    self._check(i, high[i], move.line)
+                if high[i] > before_mm:
+                    self._check(i, before_mm, high[i], move.line)
 
-    def _check(self, index: int, value_mm: float, line: int) -> None:
+    def _check(self, index: int, from_mm: float, to_mm: float, line: int) -> None:
         """A new extreme: is it still inside?"""
-        axis = self.context.machine.axes[index]
+        context = self.context
         if len(self.outside) >= _MOST_WARNINGS:
             return
-        if self.context.referenced[index]:
-            low_steps, high_steps = self._limits_steps[index]
-            inside = axis.low_mm <= value_mm <= axis.high_mm
-            # What is a little outside may still round onto the limit.
-            if not inside and not low_steps <= axis.to_steps(value_mm) <= high_steps:
-                self.outside.append(Complaint(line, f"{outside_travel(axis, value_mm)}."))
-            return
-        at_mm = self._start()[index]
+        at_mm = context.start_mm[index]
         span_mm = max(self.high[index], at_mm) - min(self.low[index], at_mm)
-        if span_mm > axis.travel_mm + axis.step_mm:
-            self.outside.append(
-                Complaint(
-                    line,
-                    f"{axis.name.upper()} would move over {span_mm:.3f} mm, more than its whole"
-                    f" travel of {axis.travel_mm:g} mm.",
-                )
-            )
+        axis, referenced = context.machine.axes[index], context.referenced[index]
+        said = why_not(axis, referenced, from_mm, to_mm, span_mm, self.source.frame)
+        if said:
+            self.outside.append(Complaint(line, said))
 
 
 def check_program(path: Path, context: ProgramContext, *, plan: bool = True) -> Facts:
@@ -183,8 +165,8 @@ def check_program(path: Path, context: ProgramContext, *, plan: bool = True) -> 
         context: the machine as the program finds it.
         plan: plan the motion too; else duration and blocks stay 0.
     """
-    survey = Survey(context)
     source = ProgramSource(path, context)
+    survey = Survey(context, source)
     errors: list[Complaint] = []
     duration_s, blocks = 0.0, 0
     try:

@@ -3,13 +3,29 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from fraese.config import Config
 from fraese.control.controller import Controller
 from fraese.gcode.setup import Setup, ToolData
-from fraese.machine import Machine, Steps
+from fraese.machine import Machine, Millimetres, Steps
 from fraese.planner.planner import Options
 from fraese.workframe import TOOL_NUMBER
+
+
+class Height(NamedTuple):
+    """A place of the axis that lifts the tool: its number, and where."""
+
+    axis: int
+    mm: float
+
+    def at(self, point: Millimetres) -> Millimetres:
+        """A point at this height."""
+        return tuple(self.mm if axis == self.axis else mm for axis, mm in enumerate(point))
+
+    def at_least(self, mm: float) -> "Height":
+        """The same, or higher."""
+        return Height(self.axis, max(self.mm, mm))
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,13 +74,15 @@ class ProgramContext:
 
     def setup(self, path: Path) -> Setup:
         """What the interpreter is told."""
-        x_mm, y_mm, z_mm = self.machine.to_mm(self.start_steps)
+        axes = self.machine.axes
         tools = {
             int(number): ToolData(tool.length_mm, tool.diameter_mm)
             for number, tool in self.config.tools.items()
         }
         return Setup(
-            position_mm=(x_mm, y_mm, z_mm),
+            axes="".join(axis.name for axis in axes),
+            rotary="".join(axis.name for axis in axes if axis.kind == "rotary"),
+            position_mm=self.start_mm,
             parameters=dict(self.parameters),
             tools=tools or None,
             tool=int(self.parameters.get(TOOL_NUMBER, 0.0)),
@@ -77,7 +95,22 @@ class ProgramContext:
         """How far the tool is lifted while the program is held."""
         return self.config.run.retract_mm
 
-    def safe_z_mm(self) -> float:
-        """Height for moves above the work, machine coordinates."""
+    @property
+    def start_mm(self) -> Millimetres:
+        """The same in millimetres and degrees."""
+        return self.machine.to_mm(self.start_steps)
+
+    def safe_height(self) -> Height | None:
+        """Height for moves above the work, machine coordinates: the top of the travel.
+
+        Where nobody knows the top, where it stands. None: nothing lifts the tool.
+        """
+        vertical = self.machine.vertical
+        if vertical is None:
+            return None
         configured = self.config.run.safe_z_mm
-        return self.machine.axes[2].high_mm if configured is None else configured
+        if configured is not None:
+            return Height(vertical, configured)
+        axis = self.machine.axes[vertical]
+        known = self.referenced[vertical] and not axis.is_endless
+        return Height(vertical, axis.high_mm if known else self.start_mm[vertical])

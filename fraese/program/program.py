@@ -3,21 +3,30 @@
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
+from typing import Final
 
 from fraese.control.controller import Controller
 from fraese.control.jobs import STANDSTILL, Job
 from fraese.control.retract import Retract
+from fraese.control.state import WorkFacts
 from fraese.errors import LimitError, ProgramError, StateError
 from fraese.gcode import canon
 from fraese.gcode.text import read_lines
 from fraese.log import logged
+from fraese.machine import Millimetres
 from fraese.program.check import Facts, Survey, check_apart, check_program
 from fraese.program.context import ProgramContext
 from fraese.program.offsethistory import OffsetHistory
-from fraese.program.runfromline import in_words, safe_z, skip_to
+from fraese.program.runfromline import in_words, skip_to
 from fraese.program.source import ProgramSource, require_readable
 from fraese.program.translate import Translation
 
+#: Corners of a frame, low or high, for so many axes.
+_ROUND: Final[dict[int, tuple[tuple[int, ...], ...]]] = {
+    0: (),
+    1: ((0,), (1,), (0,)),
+    2: ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0)),
+}
 #: Lines shown to people; behind that the text is cut.
 _MOST_SHOWN_LINES = 200_000
 #: Smaller files are looked through sooner than a process starts.
@@ -92,13 +101,13 @@ class Program:
         translation = Translation(context, controller)
         moves = source.moves()
         if from_line > 1:
-            moves = skip_to(moves, from_line, safe_z(context), source)
+            moves = skip_to(moves, from_line, context.safe_height(), source)
         history = OffsetHistory(controller, source, translation)
 
         def job() -> Job:
             controller.position.offsets.follow(history.in_force)
             try:
-                guarded = Survey(context).guard(history.watch(moves), str(self.path))
+                guarded = Survey(context, source).guard(history.watch(moves), str(self.path))
                 yield from translation.blocks(guarded)
                 yield STANDSTILL
                 history.close()
@@ -128,11 +137,10 @@ class Program:
         if facts.low_mm is None or facts.high_mm is None:
             raise ProgramError("nothing moves in this program.", file=str(self.path))
         context = ProgramContext.of(controller)
-        here = context.machine.to_mm(context.start_steps)
-        z_mm = max(safe_z(context), facts.high_mm[2]) if context.referenced[2] else here[2]
-        (x0, y0, _), (x1, y1, _) = facts.low_mm, facts.high_mm
-        corners = [(here[0], here[1]), (x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]
-        controller.drive_points(f"frame {self.name}", [(x, y, z_mm) for x, y in corners])
+        points = _frame_of(context, facts.low_mm, facts.high_mm)
+        if not points:
+            raise ProgramError("there is no frame: no axis X or Y moves.", file=str(self.path))
+        controller.drive_points(f"frame {self.name}", points)
 
     def way_from(self, controller: Controller, from_line: int) -> list[str]:
         """What a start at a line would do, in words; nothing moves.
@@ -143,16 +151,34 @@ class Program:
         context = ProgramContext.of(controller)
         source = ProgramSource(self.path, context)
         said = [f"{self.name} from line {from_line}:"]
-        for move in skip_to(source.moves(), from_line, safe_z(context), source):
-            said.append("  " + in_words(move))
+        for move in skip_to(source.moves(), from_line, context.safe_height(), source):
+            said.append("  " + in_words(move, context.machine))
             if isinstance(move, canon.Feed) or move.line > from_line:
                 break
-        state = source.modal_state()
+        modal, frame = source.modal, WorkFacts.of(source.frame, 0)
         said.append(
-            f"  then the program, with feed {state.feed_mm_min:g} mm/min, tool {state.tool},"
-            f" plane G{state.plane}, work offset {state.work_offset}"
+            f"  then the program, with feed {modal.feed_mm_min:g} mm/min, tool {modal.tool},"
+            f" plane G{modal.plane}, work offset {frame.system}{frame.more()}"
         )
         return said
+
+
+def _frame_of(
+    context: ProgramContext, low_mm: Millimetres, high_mm: Millimetres
+) -> list[Millimetres]:
+    """Round the bounding box in X and Y at the safe height; all other axes stay where they are."""
+    names, here = context.machine.names, context.start_mm
+    height = context.safe_height()
+    if height is not None and context.referenced[height.axis]:
+        here = height.at_least(high_mm[height.axis]).at(here)
+    flat = [names.index(letter) for letter in "xy" if letter in names]
+    points = [here] if flat else []
+    for corner in _ROUND[len(flat)]:
+        point = list(here)
+        for axis, is_high in zip(flat, corner, strict=True):
+            point[axis] = (high_mm if is_high else low_mm)[axis]
+        points.append(tuple(point))
+    return points
 
 
 def _require_reference(context: ProgramContext) -> None:

@@ -9,24 +9,25 @@ from collections.abc import Generator
 
 from fraese.errors import ProgramError
 from fraese.gcode import canon
-from fraese.program.context import ProgramContext
+from fraese.machine import Machine
+from fraese.program.context import Height
 from fraese.program.source import ProgramSource
 from fraese.program.translate import Moves
+from fraese.workframe import Point
 
 
-def safe_z(context: ProgramContext) -> float:
-    """Height for the way to a line: the top, or where it stands if nobody knows the top."""
-    if context.referenced[2] or context.config.run.safe_z_mm is not None:
-        return context.safe_z_mm()
-    return context.machine.to_mm(context.start_steps)[2]
-
-
-def skip_to(moves: Moves, from_line: int, safe_z_mm: float, source: ProgramSource) -> Moves:
+def skip_to(moves: Moves, from_line: int, height: Height | None, source: ProgramSource) -> Moves:
     """The moves from a line on, with the way there in front.
 
     What lies before is read for what it leaves in force; of what it commands the last word of
     each kind (path mode, spindle, coolant) is repeated. Then: up to the safe height, over to where
     the program would be, and down with its feed.
+
+    Args:
+        moves: from the source.
+        from_line: where to begin.
+        height: for the way over; None: nothing lifts the tool, it goes straight there.
+        source: knows what the lines before leave in force.
 
     Raises:
         ProgramError: if there is no such line.
@@ -47,7 +48,7 @@ def skip_to(moves: Moves, from_line: int, safe_z_mm: float, source: ProgramSourc
             kept[type(move)] = move
     else:
         raise ProgramError(f"there is nothing to run from line {from_line} on.", from_line)
-    yield from _way_to(kept, safe_z_mm, source, from_line)
+    yield from _way_to(kept, height, source, from_line)
     facts = yield move
     yield from _rest(moves, facts)
 
@@ -62,7 +63,7 @@ def _rest(moves: Moves, facts: canon.Facts | None) -> Moves:
 
 
 def _way_to(
-    kept: dict[type, canon.Move], safe_z_mm: float, source: ProgramSource, line: int
+    kept: dict[type, canon.Move], height: Height | None, source: ProgramSource, line: int
 ) -> Generator[canon.Move, canon.Facts | None, None]:
     """From wherever the machine stands to where the program would be."""
     for kind in (canon.Tool, canon.Spindle, canon.Coolant, canon.PathControl):
@@ -71,19 +72,22 @@ def _way_to(
     last = kept.get(canon.Rapid)
     if last is None:
         return
-    x_mm, y_mm, z_mm = last.to  # type: ignore[union-attr]
-    here_x, here_y, _ = source.start_mm
-    top_mm = max(safe_z_mm, z_mm)
-    yield canon.Rapid(line, (here_x, here_y, top_mm))
-    yield canon.Rapid(line, (x_mm, y_mm, top_mm))
-    feed_mm_min = source.modal_state().feed_mm_min or source.default_feed_mm_min
-    yield canon.Feed(line, (x_mm, y_mm, z_mm), feed_mm_min)
+    to: Point = last.to  # type: ignore[union-attr]
+    if height is None:
+        yield canon.Rapid(line, to)
+        return
+    top = height.at_least(to[height.axis])
+    yield canon.Rapid(line, top.at(source.start_mm))
+    yield canon.Rapid(line, top.at(to))
+    yield canon.Feed(line, to, source.modal.feed_mm_min or source.default_feed_mm_min)
 
 
-def in_words(move: canon.Move) -> str:
+def in_words(move: canon.Move, machine: Machine) -> str:
     """A move on that way, for people."""
     if isinstance(move, canon.Rapid | canon.Feed):
-        where = " ".join(f"{name}{value:.3f}" for name, value in zip("XYZ", move.to, strict=True))
+        where = " ".join(
+            f"{name.upper()}{value:.3f}" for name, value in zip(machine.names, move.to, strict=True)
+        )
         how = f"feed {move.feed_mm_min:g} mm/min" if isinstance(move, canon.Feed) else "rapid"
         return f"{how} to {where} (machine)"
     if isinstance(move, canon.Spindle):

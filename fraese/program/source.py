@@ -5,10 +5,11 @@ from contextlib import closing
 from pathlib import Path
 
 from fraese.errors import ProgramError
+from fraese.gcode.axes import Axes
 from fraese.gcode.coordlist import read_points
 from fraese.gcode.interpreter import Interpreter
+from fraese.gcode.modal import Modal
 from fraese.gcode.reader import kind_of
-from fraese.gcode.state import ModalState
 from fraese.gcode.text import read_lines
 from fraese.program.context import ProgramContext
 from fraese.program.translate import Moves
@@ -38,6 +39,7 @@ class ProgramSource:
         context: the machine as the program finds it.
 
     Attributes:
+        axes: of the machine, as the language sees them.
         lines_read: so far.
         start_mm: where the machine stands before the first move.
         default_feed_mm_min: for straight moves that have none.
@@ -49,6 +51,7 @@ class ProgramSource:
         self._setup = context.setup(path)
         self._interpreter = Interpreter(self._setup)
         self.lines_read = 0
+        self.axes = Axes(self._setup.axes, self._setup.rotary)
         self.start_mm = self._setup.position_mm
         self.default_feed_mm_min = context.config.run.default_feed_mm_min
 
@@ -83,9 +86,10 @@ class ProgramSource:
         """Counts the changes of those."""
         return self._interpreter.parameters.changes
 
-    def modal_state(self) -> ModalState:
-        """What is in force behind the last line read."""
-        return self._interpreter.modal_state()
+    @property
+    def modal(self) -> Modal:
+        """What else is in force there; changes with the next line."""
+        return self._interpreter.modal
 
     def _counted(self, lines: Iterator[str]) -> Iterator[str]:
         for line in lines:

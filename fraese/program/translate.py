@@ -222,8 +222,7 @@ class Translation:
         return None
 
     def _point(self, steps: tuple[int, ...]) -> Point:
-        x_mm, y_mm, z_mm = self._context.machine.to_mm(steps)
-        return (x_mm, y_mm, z_mm)
+        return self._context.machine.to_mm(steps)
 
     def _message(self, move: canon.Message) -> Part:
         self._say(move.text)

@@ -1,10 +1,15 @@
 """Short ways to run a program in a test."""
 
+from collections.abc import Generator
+from pathlib import Path
 from typing import Any
 
 from fraese.gcode.canon import Facts, Move
+from fraese.gcode.coordlist import read_points
 from fraese.gcode.interpreter import Interpreter, interpret
+from fraese.gcode.reader import kind_of
 from fraese.gcode.setup import Setup
+from fraese.gcode.text import read_lines
 
 
 def moves(text: str, **setup: Any) -> list[Move]:
@@ -32,3 +37,16 @@ def answered(text: str, *answers: Facts | None, **setup: Any) -> tuple[list[Move
 
 def _lines(text: str) -> list[str]:
     return text.replace("|", "\n").splitlines()
+
+
+def read_moves(
+    path: Path,
+    setup: Setup,
+    feed_mm_min: float = 0.0,
+) -> Generator[Move, Facts | None, None]:
+    """All moves of a file, program or list; barriers want an answer."""
+    lines = read_lines(path, setup.file)
+    if kind_of(path) == "gcode":
+        yield from Interpreter(setup).run(lines)
+    else:
+        yield from read_points(lines, setup, "mm", feed_mm_min)

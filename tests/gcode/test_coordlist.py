@@ -5,8 +5,9 @@ import pytest
 from fraese.errors import ProgramError
 from fraese.gcode.canon import End, Feed, Move, Rapid
 from fraese.gcode.coordlist import read_points
-from fraese.gcode.reader import kind_of, read_moves
+from fraese.gcode.reader import kind_of
 from fraese.gcode.setup import Setup
+from tests.gcode.run import read_moves
 
 
 def points(text: str, feed_mm_min: float = 60, **setup: object) -> list[Move]:

@@ -13,8 +13,8 @@ from fraese.gcode.canon import Arc, Feed, Move, Rapid
 from fraese.gcode.coordlist import looks_like_points, read_points
 from fraese.gcode.interpreter import interpret
 from fraese.gcode.jsonl import as_dict
-from fraese.gcode.reader import read_moves
 from fraese.gcode.setup import Setup
+from tests.gcode.run import read_moves
 
 WORDS = """
     g0 g1 g2 g3 g4 g10 l2 l20 p1 p0 g17 g18 g19 g20 g21 g28 g28.1 g30 g38.2 g38.5 g40 g43 g43.1 g49

@@ -232,22 +232,15 @@ def test_without_a_table_every_tool_has_no_length() -> None:
     assert moves("t99 m6 g43 h7 | g0 z1")[1] == Rapid(2, (0, 0, 1))
 
 
-def test_modal_state_in_the_middle() -> None:
+def test_what_is_in_force_in_the_middle() -> None:
     interpreter = Interpreter(Setup(position_mm=(1, 2, 3)))
-    run = interpreter.run(["g20 g91 f10 m3 s500", "g55 g18 g1 x1", "m8", "g0 z1"], start_line=4)
-    first = next(run)
-    state = interpreter.start_state
-    assert first == Rapid(4, (26.4, 2, 28.4))
-    assert state is not None
-    assert (state.line, state.motion, state.plane, state.inches) == (4, "G1", 18, True)
-    assert (state.absolute, state.work_offset, state.spindle) == (False, 2, 1)
-    assert (state.feed_mm_min, state.rev_min, state.flood) == (10, 500, True)
-    assert state.position_mm == (26.4, 2, 3)
-
-
-def test_starting_behind_the_end_is_refused() -> None:
-    with pytest.raises(ProgramError, match="ends before line 9"):
-        list(Interpreter().run(["g0 x1"], start_line=9))
+    run = interpreter.run(["g20 g91 f10 m3 s500", "g55 g18 g1 x1", "m8", "g0 z1", "g21 f7"])
+    while next(run).line < 4:
+        pass
+    modal = interpreter.modal
+    assert (modal.motion, modal.plane, modal.scale_mm) == (0, 18, 25.4)
+    assert (modal.absolute, interpreter.frame.system, modal.spindle) == (False, 2, 1)
+    assert (modal.feed_mm_min, modal.rev_min, modal.flood) == (10, 500, True)
 
 
 def test_block_delete() -> None:

@@ -35,7 +35,7 @@ def our_verdict(text: str, tools: dict[int, float] | None = None, **setup: Any) 
     run = interpreter.run(text.splitlines())
     verdict = Verdict()
     answer = None
-    at: Point = (0.0, 0.0, 0.0)
+    at = interpreter.position_mm
     try:
         while True:
             move = run.send(answer)
@@ -57,8 +57,8 @@ def _short_of(start: Point, probe: canon.Probe) -> canon.Facts:
     to = probe.to
     length_mm = math.dist(start, to)
     part = 1 - 0.01 * INCH_MM / length_mm if length_mm else 1.0
-    x, y, z = (a + (b - a) * part for a, b in zip(start, to, strict=True))
-    return canon.Facts((x, y, z), touched=probe.must_touch, contact_mm=to)
+    stop = tuple(a + (b - a) * part for a, b in zip(start, to, strict=True))
+    return canon.Facts(stop, touched=probe.must_touch, contact_mm=to)
 
 
 def _event(move: canon.Move) -> Event:
@@ -136,9 +136,10 @@ def disagreement(
     folder: Path,
     tools: dict[int, float] | None = None,
     tolerance: float = TOLERANCE_MM,
+    axes: str = "xyz",
 ) -> str:
-    """Run a program on both sides."""
-    ours = our_verdict(text, tools)
+    """Run a program on both sides, on a machine with these axes."""
+    ours = our_verdict(text, tools, axes=axes)
     if any(said in ours.refused for said in DELIBERATE):
         return ""
-    return differences(ours, judge(text, folder, tools), tolerance)
+    return differences(ours, judge(text, folder, tools, axes=axes), tolerance)

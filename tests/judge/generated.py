@@ -13,8 +13,8 @@ _SMALL = st.integers(1, 5_000).map(lambda n: f"{n / 1000:.3f}")
 _SIGNED = st.integers(-9, 9).filter(bool)
 
 
-def _axis_words(least: int) -> st.SearchStrategy[str]:
-    return st.lists(st.sampled_from(AXES), min_size=least, max_size=3, unique=True).flatmap(
+def _axis_words(least: int, axes: tuple[str, ...] = AXES) -> st.SearchStrategy[str]:
+    return st.lists(st.sampled_from(axes), min_size=least, max_size=3, unique=True).flatmap(
         lambda axes: st.tuples(*(_COORDINATES for _ in axes)).map(
             lambda values: " ".join(f"{a}{v}" for a, v in zip(axes, values, strict=True))
         )
@@ -190,6 +190,29 @@ def _program(parts: list[str]) -> str:
 PROGRAMS = st.lists(st.one_of(SIMPLE, SIMPLE, SIMPLE, CONTROL), min_size=3, max_size=25).map(
     _program
 )
+# The same with a rotary axis among the words; G2 and the cycles have examples of their own.
+_WITH_A = (*AXES, "a")
+_ROTARY_SYNC = SYNC + " a4"
+ROTARY = st.one_of(
+    st.tuples(
+        st.sampled_from(("g0 ", "g1 ", "g1 f250 ", "")), _axis_words(1, _WITH_A)
+    ).map("".join),
+    st.tuples(st.sampled_from(("g0 a", "g1 a", "g1 f40 a", "g93 g1 f2 a")), _COORDINATES).map(
+        lambda t: "".join(t) + ("\ng94 f200" if "g93" in t[0] else "")
+    ),
+    st.tuples(st.just("g91 g1 "), _axis_words(1, _WITH_A), st.just("\ng90")).map("".join),
+    st.tuples(st.just("g53 g0 "), _axis_words(1, _WITH_A)).map("".join),
+    st.tuples(st.sampled_from(("g10 l2 p1 ", "g10 l2 p2 ", "g10 l20 p0 ", "g10 l20 p2 ", "g92 ",
+              "g52 ")), _axis_words(1, _WITH_A)).map("".join),
+    st.tuples(st.sampled_from(("g28 ", "g30 ")), _axis_words(0, _WITH_A)).map("".join),
+    st.tuples(st.sampled_from(("g17 g2 i3 a", "g17 g3 j-2 f120 a", "g18 g2 k2 a")),
+              _COORDINATES).map("".join),
+    st.tuples(
+        st.just("g94 g38.3 f50 "), _axis_words(2, _WITH_A), st.just(_ROTARY_SYNC)
+    ).map("".join),
+    st.just("(debug,#5423 #<_a> #<_abs_a> #5214 #5224)"),
+)  # fmt: skip
+ROTARY_PROGRAMS = st.lists(st.one_of(SIMPLE, ROTARY, ROTARY), min_size=3, max_size=25).map(_program)
 EXPRESSIONS = st.lists(_expression(3), min_size=1, max_size=12).map(
     lambda values: "\n".join(
         (

@@ -6,7 +6,8 @@ the real interpreter does: an offset counts in the unit that is in force when it
 position is then  rotate(printed + G92) + work offset + tool offset.
 
 rs274 pretends an inch machine: its tool table and parameter file are in inches. Its probe
-stops 0.01 inch short of the target.
+stops 0.01 inch short of the target. It has six axes; points are given for those that are asked
+for.
 """
 
 import math
@@ -21,7 +22,10 @@ from pathlib import Path
 RS274 = shutil.which("rs274")
 REASON = "rs274 is missing: apt-get install --no-install-recommends linuxcnc-uspace"
 
-Vector = tuple[float, float, float]
+#: What stands in a call, in this order; U, V and W are none of its business.
+LETTERS = "xyzabc"
+Vector = tuple[float, ...]
+ORIGIN: Vector = (0.0,) * len(LETTERS)
 Event = tuple[object, ...]
 
 _CALL = re.compile(r"^\s*\d+ N\S*\s+([A-Z_0-9]+)\((.*)\)$")
@@ -50,8 +54,9 @@ def judge(
     folder: Path,
     tools: dict[int, float] | None = None,
     arguments: tuple[str, ...] = (),
+    axes: str = "xyz",
 ) -> Verdict:
-    """Run a program through rs274; tool lengths in mm."""
+    """Run a program through rs274; tool lengths in mm, points for these axes."""
     assert RS274 is not None
     program = folder / "judged.ngc"
     program.write_bytes(text.encode("utf-8", "surrogateescape"))
@@ -70,7 +75,7 @@ def judge(
         env={**os.environ, "HOME": str(folder)},
         check=False,
     )
-    verdict = Verdict(list(_Listener().listen(done.stdout.decode("latin-1"))))
+    verdict = Verdict(list(_Listener(axes).listen(done.stdout.decode("latin-1"))))
     if done.returncode:
         said = done.stderr.decode("latin-1").splitlines()
         verdict.refused = " / ".join(said[1:]) or f"exit code {done.returncode}: {said}"
@@ -80,14 +85,15 @@ def judge(
 class _Listener:
     """Follows the canonical calls and says what they mean to the machine."""
 
-    def __init__(self) -> None:
+    def __init__(self, axes: str) -> None:
+        self._places = [LETTERS.index(letter) for letter in axes]
         self.unit_mm = 1.0
-        self.work: Vector = (0.0, 0.0, 0.0)
-        self.g92: Vector = (0.0, 0.0, 0.0)
-        self.tool: Vector = (0.0, 0.0, 0.0)
+        self.work = self.g92 = self.tool = ORIGIN
         self.rotation = 0.0
         self.plane = 17
-        self.feed_mm_min = 0.0
+        self.feed = 0.0
+        self.feed_unit_mm = 1.0
+        self.at: Vector = ORIGIN
         self.direction = 0
         self.rev_min = 0.0
         self.mist = self.flood = False
@@ -108,19 +114,22 @@ class _Listener:
     def _numbers(self, arguments: str) -> list[float]:
         return [float(part) for part in re.split(r"[,\s]+", arguments) if part]
 
-    def _machine(self, x: float, y: float, z: float) -> Vector:
-        x, y, z = (
-            value * self.unit_mm + offset for value, offset in zip((x, y, z), self.g92, strict=True)
-        )
+    def _all(self, printed: list[float]) -> Vector:
+        x, y, *rest = (a + b for a, b in zip(self._scaled(printed), self.g92, strict=True))
         sine, cosine = math.sin(self.rotation), math.cos(self.rotation)
-        x, y = x * cosine - y * sine, x * sine + y * cosine
-        wx, wy, wz = self.work
-        tx, ty, tz = self.tool
-        return x + wx + tx, y + wy + ty, z + wz + tz
+        turned = x * cosine - y * sine, x * sine + y * cosine, *rest
+        return tuple(sum(parts) for parts in zip(turned, self.work, self.tool, strict=True))
 
-    def _lengths(self, values: list[float]) -> Vector:
-        x, y, z = (value * self.unit_mm for value in values[:3])
-        return x, y, z
+    def _machine(self, printed: list[float]) -> Vector:
+        every = self._all(printed)
+        return tuple(every[place] for place in self._places)
+
+    def _scaled(self, values: list[float]) -> Vector:
+        """Lengths in mm, degrees as they are."""
+        return tuple(
+            value * (self.unit_mm if letter in "xyz" else 1.0)
+            for letter, value in zip(LETTERS, values[: len(LETTERS)], strict=True)
+        )
 
     # Frames
 
@@ -128,49 +137,63 @@ class _Listener:
         self.unit_mm = INCH_MM if "INCHES" in arguments else 1.0
 
     def on_set_g5x_offset(self, arguments: str) -> None:
-        self.work = self._lengths(self._numbers(arguments)[1:])
+        self.work = self._scaled(self._numbers(arguments)[1:])
 
     def on_set_g92_offset(self, arguments: str) -> None:
-        self.g92 = self._lengths(self._numbers(arguments))
+        self.g92 = self._scaled(self._numbers(arguments))
 
     def on_set_xy_rotation(self, arguments: str) -> None:
         self.rotation = math.radians(float(arguments))
 
     def on_use_tool_length_offset(self, arguments: str) -> None:
-        self.tool = self._lengths(self._numbers(arguments))
+        self.tool = self._scaled(self._numbers(arguments))
 
     def on_select_plane(self, arguments: str) -> None:
         self.plane = _PLANES[arguments]
 
     def on_set_feed_rate(self, arguments: str) -> None:
-        self.feed_mm_min = float(arguments) * self.unit_mm
+        self.feed = float(arguments)
+        self.feed_unit_mm = self.unit_mm
 
     # Motion
 
     def on_straight_traverse(self, arguments: str) -> Event:
-        return "rapid", self._machine(*self._numbers(arguments)[:3])
+        return "rapid", self._go(self._numbers(arguments))
 
     def on_straight_feed(self, arguments: str) -> Event:
-        return "feed", self._machine(*self._numbers(arguments)[:3]), self.feed_mm_min
+        return self._fed("feed", self._numbers(arguments))
 
     def on_straight_probe(self, arguments: str) -> Event:
-        return "probe", self._machine(*self._numbers(arguments)[:3]), self.feed_mm_min
+        return self._fed("probe", self._numbers(arguments))
+
+    def _go(self, printed: list[float]) -> Vector:
+        self.at = self._all(printed)
+        return self._machine(printed)
+
+    def _fed(self, kind: str, printed: list[float]) -> Event:
+        """A feed is in degrees where nothing but rotary axes moves."""
+        before = self.at
+        to = self._go(printed)
+        # Places are printed to four decimals, and offsets too.
+        lengths = max(abs(a - b) for a, b in zip(before[:3], self.at[:3], strict=True))
+        is_angle = lengths < 5e-3 and before[3:] != self.at[3:]
+        return kind, to, self.feed * (1.0 if is_angle else self.feed_unit_mm)
 
     def on_arc_feed(self, arguments: str) -> Event:
-        end1, end2, centre1, centre2, turns, end3 = self._numbers(arguments)[:6]
+        end1, end2, centre1, centre2, turns, end3, *rest = self._numbers(arguments)
         first, second, third = _AXES[self.plane]
         to = [0.0, 0.0, 0.0]
         to[first], to[second], to[third] = end1, end2, end3
         middle = [0.0, 0.0, 0.0]
         middle[first], middle[second] = centre1, centre2
-        centre = self._machine(*middle)
+        centre = self._all([*middle, *rest])
         return (
             "arc",
-            self._machine(*to),
+            self._go([*to, *rest]),
             (centre[first], centre[second]),
             self.plane,
             int(turns),
-            self.feed_mm_min,
+            self.feed * self.feed_unit_mm,
         )
 
     # The rest

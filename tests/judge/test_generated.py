@@ -6,7 +6,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from tests.judge.compare import SUMMED_TOLERANCE_MM, disagreement
-from tests.judge.generated import EXPRESSIONS, PROGRAMS
+from tests.judge.generated import EXPRESSIONS, PROGRAMS, ROTARY_PROGRAMS
 from tests.judge.rs274 import REASON, RS274
 
 pytestmark = pytest.mark.skipif(RS274 is None, reason=REASON)
@@ -25,6 +25,15 @@ def test_programs(tmp_path: Path) -> None:
     @given(PROGRAMS)
     def check(text: str) -> None:
         assert not disagreement(text, tmp_path, TOOLS, SUMMED_TOLERANCE_MM)
+
+    check()
+
+
+def test_programs_with_a_rotary_axis(tmp_path: Path) -> None:
+    @EXAMPLES
+    @given(ROTARY_PROGRAMS)
+    def check(text: str) -> None:
+        assert not disagreement(text, tmp_path, TOOLS, SUMMED_TOLERANCE_MM, axes="xyza")
 
     check()
 

@@ -9,7 +9,7 @@ from tests.judge.rs274 import REASON, RS274, judge
 
 SHIPPED = Path("/usr/share/linuxcnc/ncfiles")
 # What other machines can do; the message names it.
-NOT_FOR_US = ("is refused:", "has no axis", "is not a known code")
+NOT_FOR_US = ("is refused:", "there is no axis", "is not a known code")
 # We take a file without M2 to its end.
 WITHOUT_END = "File ended with no percent sign or program end"
 

@@ -238,6 +238,17 @@ def test_an_override_is_felt_soon_even_in_one_long_move(tmp_path: Path) -> None:
     assert duration_s(0.5) == pytest.approx(40, abs=3)
 
 
+def test_m49_holds_the_feed_against_an_override_that_comes_while_it_moves(tmp_path: Path) -> None:
+    made = homed()
+    controller = made.controller
+    after_slices(controller, 20, lambda: controller.set_override(0.5))
+    assert run_program(made, program(tmp_path, "M49\nG1 X20 F120\nM2\n")) is Status.OK
+    job = controller.state().job
+    assert job is not None
+    # M2 gives the override back, and what is not final then follows it: a block of a second.
+    assert job.elapsed_s == pytest.approx(10.5, abs=0.8)
+
+
 def test_an_override_from_before_holds_and_m49_takes_it_away(tmp_path: Path) -> None:
     def duration_s(text: str) -> float:
         made = homed()
