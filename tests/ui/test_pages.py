@@ -322,3 +322,26 @@ def test_a_long_message_is_seen_in_full(presses: int) -> None:
             assert clipped(b) == []
 
     play(scene)
+
+
+def test_lost_steps_are_said_loudly_with_motor_and_reason() -> None:
+    async def scene() -> None:
+        # The motors of the mill cannot follow full steps at the rates meant for half-steps.
+        config = Config.model_validate({"card": {"table": "full-step"}})
+        async with bench(config=config) as b:
+            assert not b.view.query_one("#lost").display
+            await b.press("g")
+            await b.type("X10")
+            await b.press("enter")
+            await b.settled()
+            lost = b.app.machine_state.lost_steps[0]
+            assert abs(lost) > 100
+            assert b.text("#lost").startswith(f"LOST STEPS  X {abs(lost):g} ")
+            assert b.app.machine_state.lost_why[0] in b.text("#lost")
+            assert b.view.query_one("#lost").display
+            for _ in PICTURES:
+                await b.pilot.pause(0.1)
+                assert clipped(b) == []
+                await b.press("v")
+
+    play(scene)

@@ -9,7 +9,7 @@ from fraese.ui.jogging import Jog
 from fraese.ui.keys import GROUPS, KeyTable
 from fraese.ui.shape import AxisShape, Shape
 from fraese.ui.widgets.position import three_decimals
-from fraese.ui.widgets.status import clock_words, status_word, switch_words
+from fraese.ui.widgets.status import clock_words, lost_words, status_word, switch_words
 from fraese.ui.widths import RepeatRule, widths
 
 AXES = ("x", "y", "z")
@@ -102,6 +102,14 @@ def test_words() -> None:
     assert status_word(state(question="Change the tool.", **run), False) == "WAIT"
     assert status_word(state(held=True, **run), True) == "CANCEL"
     assert status_word(state(held=True), True) == "OK"
+
+
+def test_lost_steps_in_words() -> None:
+    assert lost_words(state()) == ""
+    none = state(lost_steps=(0.0, 0.0, 0.0), lost_why=("", "", ""))
+    assert lost_words(none) == ""
+    some = state(lost_steps=(1984.0, 0.0, -3.5), lost_why=("too fast", "", "blocked"))
+    assert lost_words(some) == "LOST STEPS  X 1984 steps (too fast), Z 3.5 steps (blocked)"
 
 
 def test_switch_test_ticks_off_in_order() -> None:

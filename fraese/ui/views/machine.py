@@ -103,6 +103,7 @@ class MachineView(View):
         """Draw what changed."""
         self._stopping = stopping
         self._status.show(state, stopping)
+        self.set_class(self._status.tells_of_lost_steps, "-lost")
         self._position.show(state)
         self._job.show_job(state)
         if self._path.display:

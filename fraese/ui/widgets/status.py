@@ -38,6 +38,16 @@ def switch_words(state: MachineState) -> str:
     return "switch " + ends + ("?" if len(state.ends) > 1 else "")
 
 
+def lost_words(state: MachineState) -> str:
+    """What motors of a simulated mill did not follow, how far, and why; empty if nothing."""
+    lost = [
+        f"{name.upper()} {abs(steps):g} {state.step_word}s ({why})"
+        for name, steps, why in zip(state.axes, state.lost_steps, state.lost_why, strict=False)
+        if why
+    ]
+    return "LOST STEPS  " + ", ".join(lost) if lost else ""
+
+
 def clock_words(seconds: float) -> str:
     """Minutes and seconds, with hours where there are any."""
     minutes, rest = divmod(int(seconds), 60)
@@ -46,7 +56,7 @@ def clock_words(seconds: float) -> str:
 
 
 class StatusPanel(Vertical):
-    """Two lines: who and what is loaded; how the machine stands.
+    """Two lines: who and what is loaded; how the machine stands. A third where steps were lost.
 
     Args:
         machine_name: which machine is driven, such as "simulated mill"; may be empty.
@@ -62,9 +72,10 @@ class StatusPanel(Vertical):
         self._feed = Fact("", id="feed")
         self._motors = Fact("", id="motors")
         self._log = Fact("", id="log")
+        self._lost = Fact("", id="lost")
 
     def compose(self) -> ComposeResult:
-        """The two lines."""
+        """The lines."""
         with Horizontal():
             yield self._title
             yield self._program
@@ -75,6 +86,12 @@ class StatusPanel(Vertical):
             yield self._feed
             yield self._motors
             yield self._log
+        yield self._lost
+
+    @property
+    def tells_of_lost_steps(self) -> bool:
+        """There is a third line."""
+        return bool(self._lost.text)
 
     def show_program(self, name: str) -> None:
         """This program is loaded."""
@@ -102,6 +119,8 @@ class StatusPanel(Vertical):
             "motors on" if state.energised else "motors off", "" if state.energised else "-weak"
         )
         self._log.show("log on" if state.log_on else "log off", "" if state.log_on else "-weak")
+        lost = lost_words(state)
+        self._lost.show(lost, "-alarm" if lost else "")
 
 
 class WidthBar(Horizontal):
