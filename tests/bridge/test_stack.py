@@ -215,6 +215,10 @@ motor = 1
 [axes.a]
 gear = "10"
 motor = 2
+[simulation.axes.y]
+inverted = true
+[simulation.axes.a]
+gear = "10"
 """
 
 
