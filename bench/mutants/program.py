@@ -11,7 +11,7 @@ MUTANTS: Final = (
         "program/check: what leaves the travel upwards is no warning",
         "a program is started that drives an axis into its end",
         _P + "check.py",
-        "                if high[i] > before[i]:\n",
+        "                if high[i] > before_mm:\n",
         "                if False:\n",
         tests_of(
             "program/test_program.py", "test_a_program_that_leaves_the_travel_is_refused_by_line"
@@ -41,7 +41,7 @@ MUTANTS: Final = (
         "program/runfromline: straight over instead of up first",
         "the tool goes through the work",
         _P + "runfromline.py",
-        "    yield canon.Rapid(line, (here_x, here_y, top_mm))\n",
+        "    yield canon.Rapid(line, top.at(source.start_mm))\n",
         "",
         tests_of("program/test_program.py", "test_from_a_line_starts_with_what_was_in_force"),
     ),
@@ -91,9 +91,9 @@ MUTANTS: Final = (
         "program/runfromline: over to the line below its own height",
         "the tool goes through the work on the way to a line above the safe height",
         _P + "runfromline.py",
-        "top_mm = max(safe_z_mm, z_mm)",
-        "top_mm = safe_z_mm",
-        tests_of("program/test_program.py", "test_from_a_line_starts_with_what_was_in_force"),
+        "top = height.at_least(to[height.axis])",
+        "top = height",
+        tests_of("program/test_more_axes.py", "test_from_a_line_the_way_is_never_below_the_place"),
     ),
     Mutant(
         "program/translate: M49 is no protection from the override",
@@ -102,7 +102,8 @@ MUTANTS: Final = (
         "acts=self._may_override",
         "acts=True",
         tests_of(
-            "program/test_program.py", "test_an_override_from_before_holds_and_m49_takes_it_away"
+            "program/test_program.py",
+            "test_m49_holds_the_feed_against_an_override_that_comes_while_it_moves",
         ),
     ),
 )

@@ -59,7 +59,9 @@ def why_not(
             return ""
         # What is a little outside may still round onto the limit.
         low, high = _limits_steps(axis, axis.to_steps(from_mm))
-        return "" if low <= axis.to_steps(to_mm) <= high else _outside(axis, to_mm, frame)
+        if low <= axis.to_steps(to_mm) <= high:
+            return ""
+        return _outside(axis, to_mm, frame)
     if span_mm <= axis.travel_mm + axis.step_mm / 2:
         return ""
     return (
