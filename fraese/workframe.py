@@ -183,10 +183,16 @@ def _difference(a: Point, b: Point) -> Point:
     return tuple(map(sub, a, b))
 
 
+def _sum_of_three(a: Point, b: Point) -> Point:
+    x, y, z = a
+    by_x, by_y, by_z = b
+    return x + by_x, y + by_y, z + by_z
+
+
 #: The same for so many axes; every line of a program is added up once.
 _SUMS: Final[dict[int, Callable[[Point, Point], Point]]] = {
     1: lambda a, b: (a[0] + b[0],),
     2: lambda a, b: (a[0] + b[0], a[1] + b[1]),
-    3: lambda a, b: (a[0] + b[0], a[1] + b[1], a[2] + b[2]),
+    3: _sum_of_three,
     4: lambda a, b: (a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]),
 }

@@ -66,6 +66,7 @@ class Axes:
             unit_mm: tuple(zip(letters, scales, strict=True))
             for unit_mm, scales in self.scales.items()
         }
+        self._each = tuple(letters)
         # Plain lines of three axes are what there is most of.
         self.reached = self._reached_by_three if len(letters) == 3 else self._reached
         self._groups = [
@@ -84,14 +85,14 @@ class Axes:
 
     def _reached_by_three(self, at: Point, words: Mapping[str, float], unit_mm: float) -> Point:
         first, second, third = at
-        (one, its), (two, that), (three, scale) = self._in_order[unit_mm]
-        get = words.get
-        if (word := get(one)) is not None:
-            first = word * its
-        if (word := get(two)) is not None:
-            second = word * that
-        if (word := get(three)) is not None:
-            third = word * scale
+        one, two, three = self._each
+        scale, scale_2, scale_3 = self.scales[unit_mm]
+        if one in words:
+            first = words[one] * scale
+        if two in words:
+            second = words[two] * scale_2
+        if three in words:
+            third = words[three] * scale_3
         return first, second, third
 
     def in_words(self) -> str:

@@ -41,7 +41,9 @@ class Position:
         """Where the axis words lead, in program mm."""
         words = block.words
         modal = self.modal
-        at = self._by_polar(words) if "@" in words or "^" in words else self.at
+        at = self.at
+        if "@" in words or "^" in words:
+            at = self._by_polar(words)
         if modal.absolute:
             return self.axes.reached(at, words, modal.scale_mm)
         by = self.axes.reached(self.coordinates.nothing, words, modal.scale_mm)
