@@ -8,6 +8,7 @@ import pytest
 from fraese.assembly import Plant, assemble
 from fraese.control.state import Status
 from fraese.errors import FraeseError, LimitError
+from fraese.program import open_program
 from tests.helpers import carriages, configured, look, mill, plant
 
 STEPDIR = {"card": {"kind": "stepdir"}}
@@ -237,3 +238,59 @@ def test_quarter_steps_are_called_that() -> None:
     table = "03 0B 09 29 38 39 29 2B 27 2F 2D 0D 1C 1D 0D 0B"
     with pytest.raises(FraeseError, match="16 entries: quarter-steps"):
         plant(card={"table": table})
+
+
+# --- programs ----------------------------------------------------------------------------------
+
+PROGRAMS = {
+    "stepdir X": ("G21 G90 F600\nG0 X5\nG1 X12.5\nM2\n", {"x": 12.5}),
+    "stepdir X Z": ("G21 G90 F600\nG0 X5 Z-2\nG18 G1 X12.5 Z-4\nM2\n", {"x": 12.5, "z": -4.0}),
+    "stepdir X Y Z A": (
+        "G21 G90 F600\nG0 X5 Y5\nG1 X10 A90\nG3 X10 Y15 I0 J5 A180\nG1 A-45 F3600\nM2\n",
+        {"x": 10.0, "y": 15.0, "z": 0.0, "a": -45.0},
+    ),
+    "stepdir swapped": (
+        "G21 G90 F600\nG1 X10 Y3 Z-4 A90\nM2\n",
+        {"x": 10.0, "y": 3.0, "z": -4.0, "a": 90.0},
+    ),
+    "smc1500 Y": ("G21 G90 F300\nG1 Y33\nM2\n", {"y": 33.0}),
+    "smc1500 X Z": ("G21 G90 F300\nG1 X3 Z-3\nM2\n", {"x": 3.0, "z": -3.0}),
+}
+
+
+@pytest.mark.parametrize("kind", PROGRAMS)
+def test_a_program(kind: str, tmp_path: Path) -> None:
+    text, end = PROGRAMS[kind]
+    path = tmp_path / "part.ngc"
+    path.write_text(text, "utf-8")
+    made = referenced(kind)
+    program = open_program(path)
+    facts = program.check(made.controller, plan=True)
+    assert facts.ok, facts.errors
+    program.start(made.controller, facts)
+    done(made)
+    stands_at(made, **end)
+
+
+@pytest.mark.parametrize("kind", PROGRAMS)
+def test_the_frame_of_a_program(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "part.ngc"
+    path.write_text(PROGRAMS[kind][0], "utf-8")
+    made = referenced(kind)
+    open_program(path).drive_frame(made.controller)
+    done(made)
+    assert mill(made).mill.lost_steps() == (0.0,) * len(made.controller.machine.axes)
+
+
+@pytest.mark.parametrize("kind", PROGRAMS)
+def test_a_coordinate_list(kind: str, tmp_path: Path) -> None:
+    made = referenced(kind)
+    there = place_of(made, 6.0)
+    letters = list(there)
+    path = tmp_path / "points.csv"
+    lines = [";".join(letters).upper(), ";".join(str(mm) for mm in there.values())]
+    path.write_text("\n".join(lines) + "\n", "utf-8")
+    program = open_program(path)
+    program.start(made.controller, program.check(made.controller, plan=True))
+    done(made)
+    stands_at(made, **there)
