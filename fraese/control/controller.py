@@ -65,7 +65,7 @@ class Controller:
         self.step_word = step_word
         self.log = log
         self._driver = driver
-        self._onlooker = onlooker or Nobody()
+        self._onlooker = seen = onlooker or Nobody()
         self.override = 1.0
         self.position = Position(machine)
         self.switches = EndSwitches(config, self.position, driver)
@@ -75,14 +75,7 @@ class Controller:
         self.switches.open()
         self._queue.look_around(config.switches.readings)
         self._loop = RunLoop(
-            config,
-            driver,
-            clock,
-            self._queue,
-            self.position,
-            self.switches,
-            slice_s,
-            self._onlooker,
+            config, driver, clock, self._queue, self.position, self.switches, slice_s, seen
         )
 
     # --- the run loop --------------------------------------------------------------------------
@@ -383,8 +376,7 @@ class Controller:
 
     def keep(self) -> SavedState:
         """What must survive a restart."""
-        phases, ends = self._queue.report.phases, self.switches.names()
-        return SavedState.of(self.position, phases, ends)
+        return SavedState.of(self.position, self._queue.report.phases, self.switches.names())
 
     def take_up(self, kept: SavedState) -> None:
         """Go on where another run ended; the phases are the driver maker's business."""
