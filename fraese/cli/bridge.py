@@ -238,7 +238,7 @@ def _moves(driver: BridgeDriver, config: Config, steps: int) -> Iterator[Check]:
         for signed in (steps, -steps):
             ways = tuple(signed if each == motor else 0 for each in range(len(axes)))
             law = (Piece(steps, round(CYCLES_PER_S / rate_hz * Q8)),)
-            driver.push(Block(ways, law, jump_rate_q8=rate_q8_from_hz(rate_hz)))
+            driver.push(Block(steps=ways, pieces=law, jump_rate_q8=rate_q8_from_hz(rate_hz)))
         while (report := driver.poll(0.1)).running:
             pass
         made = report.travelled_steps[motor] - before

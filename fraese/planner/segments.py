@@ -134,19 +134,19 @@ class Limits:
         start_mm_s = length_mm / _most(counts, self._per_start)
         accel_mm_s2 = length_mm / _most(counts, self._per_acceleration)
         return Segment(
-            steps,
-            ticks,
-            length_mm,
-            tuple([n / length_mm for n in steps]),
-            tuple([mm * per_mm for mm in wanted_mm]),
-            min(limit_mm_s, top_mm_s),
-            feed_mm_s,
-            start_mm_s,
-            start_mm_s - accel_mm_s2 * length_mm / (2 * ticks * start_mm_s),
-            accel_mm_s2 * 2,
-            outputs,
-            watch,
-            tag,
+            steps=steps,
+            ticks=ticks,
+            length_mm=length_mm,
+            shares=tuple([n / length_mm for n in steps]),
+            course=tuple([mm * per_mm for mm in wanted_mm]),
+            top_mm_s=min(limit_mm_s, top_mm_s),
+            feed_mm_s=feed_mm_s,
+            start_mm_s=start_mm_s,
+            rest_mm_s=start_mm_s - accel_mm_s2 * length_mm / (2 * ticks * start_mm_s),
+            twice_mm_s2=accel_mm_s2 * 2,
+            outputs=outputs,
+            watch=watch,
+            tag=tag,
         )
 
     def corner_mm2_s2(self, before: Segment, after: Segment) -> float:
@@ -224,24 +224,19 @@ class ThreeLinear(Limits):
         start_mm_s = length_mm / max(abs_x * a, abs_y * b, abs_z * c)
         a, b, c = self._per_acceleration
         accel_mm_s2 = length_mm / max(abs_x * a, abs_y * b, abs_z * c)
+        course = dx * per_mm, dy * per_mm, dz * per_mm
+        if limit_mm_s < top_mm_s:
+            top_mm_s = limit_mm_s
+        rest_mm_s = start_mm_s - accel_mm_s2 * length_mm / (2 * ticks * start_mm_s)
+        twice_mm_s2 = accel_mm_s2 * 2
+        # Keywords cost three times as much: every value has the name of its field, see the tests.
         segment: Segment = _new(
             Segment,
             (
-                steps,
-                ticks,
-                length_mm,
-                shares,
-                (dx * per_mm, dy * per_mm, dz * per_mm),
-                limit_mm_s if limit_mm_s < top_mm_s else top_mm_s,
-                feed_mm_s,
-                start_mm_s,
-                start_mm_s - accel_mm_s2 * length_mm / (2 * ticks * start_mm_s),
-                accel_mm_s2 * 2,
-                outputs,
-                watch,
-                tag,
+                steps, ticks, length_mm, shares, course, top_mm_s, feed_mm_s, start_mm_s, rest_mm_s,
+                twice_mm_s2, outputs, watch, tag,
             ),
-        )
+        )  # fmt: skip
         return segment
 
     def corner_mm2_s2(self, before: Segment, after: Segment) -> float:

@@ -68,19 +68,18 @@ class BlockMaker:
         steps = segment.steps
         if not self._straight:
             steps = tuple(map(mul, steps, self._signs))
+        accel_q = few_bits(int(twice_mm_s2 * per_mm / 2 * _ACCEL_Q + 0.5)) or 1
+        jump_rate_q8 = few_bits(int(start_hz * Q8 + 0.5))
+        weight = int(WEIGHT_PER_MM2 / (per_mm * per_mm) + 0.5) or 1
+        ends_at_rest = pieces[-1].last_interval_q8() * start_hz * _SAME >= CYCLES_PER_S * Q8
+        watch, outputs, tag = segment.watch, segment.outputs, segment.tag
+        override_q8 = 0 if segment.feed_mm_s == UNLIMITED else self.override_q8
+        # Keywords cost twice as much: every value has the name of its field, see the tests.
         block: Block = _new(
             Block,
             (
-                steps,
-                pieces,
-                few_bits(int(twice_mm_s2 * per_mm / 2 * _ACCEL_Q + 0.5)) or 1,
-                few_bits(int(start_hz * Q8 + 0.5)),
-                int(WEIGHT_PER_MM2 / (per_mm * per_mm) + 0.5) or 1,
-                pieces[-1].last_interval_q8() * start_hz * _SAME >= CYCLES_PER_S * Q8,
-                segment.watch,
-                segment.outputs,
-                segment.tag,
-                0 if segment.feed_mm_s == UNLIMITED else self.override_q8,
+                steps, pieces, accel_q, jump_rate_q8, weight, ends_at_rest, watch, outputs, tag,
+                override_q8,
             ),
-        )
+        )  # fmt: skip
         return block

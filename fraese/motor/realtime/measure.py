@@ -64,8 +64,8 @@ class Duty:
         """A line at that rate, on which all motors step on every tick."""
         steps = [self.block_ticks] * self.motors + [0] * (self.card.motors - self.motors)
         return Block(
-            tuple(steps),
-            (Piece(self.block_ticks, round(CYCLES_PER_S * Q8 / self.rate_hz)),),
+            steps=tuple(steps),
+            pieces=(Piece(self.block_ticks, round(CYCLES_PER_S * Q8 / self.rate_hz)),),
             accel_q=accel_q_from_hz_s(40_000),
             jump_rate_q8=rate_q8_from_hz(self.rate_hz),
             weight=1000,

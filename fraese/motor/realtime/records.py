@@ -112,16 +112,16 @@ class Decoder:
         self.dry_point = DryPoint(dry_serial, dry_ticks) if flags & _MAY_RUN_DRY else None
         watch = Watch(watch_mask, watch_value, _ACTIONS[action]) if flags & _HAS_WATCH else None
         self.block = Block(
-            steps,
-            tuple(law),
-            accel_q,
-            jump_rate_q8,
-            weight,
-            bool(flags & _ENDS_AT_REST),
-            watch,
-            Outputs(outputs_mask, outputs_value) if flags & _HAS_OUTPUTS else None,
-            tag,
-            override_q8,
+            steps=steps,
+            pieces=tuple(law),
+            accel_q=accel_q,
+            jump_rate_q8=jump_rate_q8,
+            weight=weight,
+            ends_at_rest=bool(flags & _ENDS_AT_REST),
+            watch=watch,
+            outputs=Outputs(outputs_mask, outputs_value) if flags & _HAS_OUTPUTS else None,
+            tag=tag,
+            override_q8=override_q8,
         )
 
 
