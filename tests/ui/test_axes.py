@@ -20,7 +20,8 @@ def machine(axes: str, **tables: Any) -> Config:
     """A, B and C turn, once round behind a worm gear unless a table says otherwise."""
     turning = {name: {"travel_deg": 360, "gear": "90"} for name in axes if name in "abc"}
     table = {"names": list(axes), **turning, **tables}
-    return from_table({"card": {"kind": "stepdir"}, "axes": table}, "test")
+    built = {"axes": {name: {"gear": "90"} for name in turning}}
+    return from_table({"card": {"kind": "stepdir"}, "axes": table, "simulation": built}, "test")
 
 
 FOUR = machine("xyza")
