@@ -7,11 +7,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fraese.blocks import RATE_Q8_CYCLES, Block, Outputs, Piece, dwell, steps_done
+from fraese.blocks import (
+    RATE_Q8_CYCLES,
+    Block,
+    Outputs,
+    Piece,
+    accel_q_from_hz_s,
+    dwell,
+    rate_q8_from_hz,
+    steps_done,
+)
 from fraese.errors import StateError
 from fraese.motor.cursor import Cursor
 from fraese.motor.seams import DATA, Ended, Report
 from fraese.motor.throttle import Throttle, ThrottleState
+from fraese.planner.ramps import trapezoid
 from tests.motor.workbench import (
     ACCELERATION_HZ_S,
     JUMP_HZ,
@@ -303,6 +313,32 @@ class TestDryQueue:
         assert total - 60 < report.position_steps[0] < total
         assert not report.torn
         assert bench.lost() == (0, 0, 0)
+
+    @pytest.mark.parametrize("rate_hz", [15_000, 20_000])
+    @pytest.mark.parametrize("blocks", [1, 2, 3, 5, 8])
+    def test_at_a_high_rate_the_throttle_s_slices_are_reckoned_with(
+        self, rate_hz: int, blocks: int
+    ) -> None:
+        """Two slices of a millisecond are up to forty ticks here: braking must begin that much early."""
+        acceleration_hz_s, jump_hz = 100_000, 1000
+        ways = [(0, 9000), *[(rate_hz, 40)] * blocks]
+        bench = Workbench("x4step", travel_steps=40_000)
+        pushed = 0
+        for entry_hz, ticks in ways:
+            law = trapezoid(ticks, entry_hz or jump_hz, rate_hz, rate_hz, acceleration_hz_s)
+            block = Block(
+                steps=(ticks, 0, 0),
+                pieces=tuple(law),
+                accel_q=accel_q_from_hz_s(acceleration_hz_s),
+                jump_rate_q8=rate_q8_from_hz(jump_hz),
+                weight=1000,
+                ends_at_rest=False,
+            )
+            bench.core.push(block)
+            pushed += ticks
+        report = bench.run()
+        assert (report.held, report.dry_queues, report.torn) == (True, 1, frozenset())
+        assert pushed - 90 < report.position_steps[0] < pushed
 
     def test_goes_on_when_more_comes(self) -> None:
         bench = Workbench()
