@@ -319,7 +319,7 @@ class TestDryQueue:
     def test_at_a_high_rate_the_throttle_s_slices_are_reckoned_with(
         self, rate_hz: int, blocks: int
     ) -> None:
-        """Two slices of a millisecond are up to forty ticks here: braking must begin that much early."""
+        """Two slices of the throttle are up to forty ticks here: braking begins so much earlier."""
         acceleration_hz_s, jump_hz = 100_000, 1000
         ways = [(0, 9000), *[(rate_hz, 40)] * blocks]
         bench = Workbench("x4step", travel_steps=40_000)
