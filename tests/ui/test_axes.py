@@ -56,11 +56,11 @@ def test_a_fourth_axis_goes_where_it_is_told() -> None:
             assert isinstance(dialog, GoToDialog)
             placeholder = dialog.query_one(Input).placeholder
             assert placeholder == "X10 Y5 Z-1 A90 F300   (mm, °, mm/min)"
-            await b.type("X1 A-90")
+            await b.type("X1 A90")
             await b.press("enter")
             await b.settled()
             axes = b.plant.controller.machine.axes
-            assert b.moved_steps == (axes[0].to_steps(1), 0, 0, axes[3].to_steps(-90))
+            assert b.moved_steps == (axes[0].to_steps(1), 0, 0, axes[3].to_steps(90))
             await b.press("g", "ctrl+u", "ctrl+k")
             await b.type("B1")
             await b.press("enter")
@@ -132,6 +132,23 @@ def test_what_turns_is_shown_in_degrees() -> None:
     play(scene)
 
 
+def test_an_endless_axis_has_no_limits_to_show() -> None:
+    async def scene() -> None:
+        async with bench(config=machine("xya", a={"gear": "90"}), size=(120, 40)) as b:
+            await b.press("g")
+            await b.type("A720")
+            await b.press("enter")
+            await b.settled()
+            assert b.moved_steps == (0, 0, 720 * 100)
+            await b.wait(lambda: b.text("#axis-a .gauge") == "turns without end: no limits")
+            await b.press("r", "x", "y", "a", "enter")
+            await b.settled()
+            assert b.app.machine_state.referenced == (False, False, True)
+            assert b.text("#axis-a .gauge") == "turns without end: no limits"
+
+    play(scene)
+
+
 def test_an_axis_without_switches_is_referenced_where_it_stands() -> None:
     async def scene() -> None:
         async with bench(config=FOUR) as b:
@@ -196,7 +213,7 @@ def test_dialogs_fit_with_four_axes(key: str) -> None:
 
 def test_steps_are_called_what_they_are() -> None:
     async def scene() -> None:
-        async with bench(config=FOUR) as b:
+        async with bench(config=FOUR, size=(120, 40)) as b:
             heading = [fact.text for fact in b.view.query("#heading > *")]  # type: ignore[attr-defined]
             assert heading[3] == "pulses"
             await b.press("v")
