@@ -233,9 +233,7 @@ MUTANTS: Final = (
         "equal = equal + 1 if self.poll().inputs == before else 0",
         "equal = equal + 1 if self.poll() else 0",
         tests_of(
-            "control/test_controller.py",
-            "test_a_switch_pressed_since_the_last_look_is_seen_before_moving",
-            "test_a_contact_is_an_alarm_that_names_its_end",
+            "control/test_queue.py", "test_an_input_that_bounces_is_known_before_anything_moves"
         ),
     ),
     Mutant(
@@ -244,6 +242,9 @@ MUTANTS: Final = (
         _C + "runloop.py",
         "lead_s = max(config.run.lead_s, braking_s + 2 * slice_s)",
         "lead_s = config.run.lead_s",
-        tests_of("control/test_controller.py", "test_late_ticks_and_dry_queues_are_owned_up_to"),
+        tests_of(
+            "control/test_queue.py",
+            "test_short_lines_of_a_machine_that_brakes_slowly_never_run_dry",
+        ),
     ),
 )

@@ -18,7 +18,6 @@ from fraese.assembly.simulation import simulated_mill
 from fraese.config import Config
 from fraese.control.endswitches import contact_bits
 from fraese.control.savedstate import SavedState
-from fraese.machine import Machine
 from fraese.motor.awake import Awake
 from fraese.motor.clock import MonotonicClock, PacedClock, VirtualClock
 from fraese.motor.core import MotorCore
@@ -45,14 +44,12 @@ class Order:
 
     Attributes:
         config: all of it.
-        machine: axes and conversions.
         card: what the registers mean, with its phases as they were kept.
         clock: for a simulated mill, how its time passes.
         kept: how a simulated mill was left.
     """
 
     config: Config
-    machine: Machine
     card: Card
     clock: ClockName
     kept: SavedState | None

@@ -149,7 +149,7 @@ def assemble(
     if kept is not None:
         card.set_phases(kept.phases)
     kind = "simulation" if at_desk else config.port.kind
-    made = DRIVERS[kind](Order(config, machine, card, clock, kept))
+    made = DRIVERS[kind](Order(config, card, clock, kept))
     log = LogFile(
         Path(config.log.file) if config.log.file else (state or state_folder()) / "fraese.log"
     )
