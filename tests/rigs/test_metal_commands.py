@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.rigs.lpt.fakeport import missing
-from tests.rigs.lpt.shop import SHORT_MM, Shop, SimulatedShop
+from tests.rigs.lpt.shop import SEEN, SHORT_MM, Shop, SimulatedShop
 from tests.rigs.lpt.steps import check_motors_off
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=missing())
@@ -35,6 +35,7 @@ def test_commands_do_what_they_do_on_the_simulated_mill(
         answer, expected = shop.command(*words), simulated.command(*words)
         assert (answer.code, expected.code) == (0, 0), (answer, expected)
         assert answer.facts == expected.facts
+        assert [answer.result[name] for name in SEEN] == [None] * len(SEEN)
         # It may be told of late ticks, too.
         assert answer.result["message"].startswith(expected.result["message"])
         assert answer.writes == expected.writes

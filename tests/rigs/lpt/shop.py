@@ -82,6 +82,10 @@ def _furnish(folder: Path, port: str, wiring: str, travel_mm: int, lead_s: float
     (folder / "long.ngc").write_text(LONG)
 
 
+#: What only somebody at the machine can know: nothing on metal.
+SEEN: Final = ("carriages_mm", "lost_steps", "lost_why")
+
+
 @dataclass(frozen=True)
 class Answer:
     """What a command left.
@@ -107,9 +111,9 @@ class Answer:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """The result without what the computer's own time has in it."""
-        timed = ("duration_s", "late_ticks", "message")
-        return {name: value for name, value in self.result.items() if name not in timed}
+        """The result without what depends on the computer, and what only a person can see."""
+        left_out = ("duration_s", "late_ticks", "message", *SEEN)
+        return {name: value for name, value in self.result.items() if name not in left_out}
 
 
 class Shop:
