@@ -18,7 +18,7 @@ if reason_to_skip():
     pytest.skip(reason_to_skip(), allow_module_level=True)
 
 #: What a microcontroller may be late where one block follows another, ns.
-SEAM_NS = 60_000
+SEAM_NS = 75_000
 
 
 class ChipLab:
