@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fraese.assembly import Plant
-from fraese.cli import bridge, doctor, files, motion, ports
+from fraese.cli import bench, bridge, doctor, files, motion, ports, scancodes, x4step
 from fraese.cli.shared import ConfigOption, FreshOption, StartingPlace, StateOption, leave
 from fraese.errors import UsageError
 from fraese.program import open_program
@@ -30,6 +30,9 @@ app.add_typer(files.app)
 app.add_typer(ports.app)
 app.add_typer(bridge.app)
 app.add_typer(doctor.app)
+app.add_typer(bench.app)
+app.add_typer(x4step.app)
+app.add_typer(scancodes.app)
 
 
 @app.callback(invoke_without_command=True)

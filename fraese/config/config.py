@@ -27,6 +27,7 @@ from fraese.config.work import (
     RunConfig,
     ToolConfig,
 )
+from fraese.config.x4step import X4StepConfig
 
 _TOOL = re.compile(r"[0-9]{1,9}")
 #: Travel of an axis; the upper bound is what counters of 32 bits hold with room to spare.
@@ -59,6 +60,7 @@ class Config(Section):
         description="Tool table by tool number; empty: every tool is allowed and has length 0.",
     )
     simulation: SimulationConfig = SimulationConfig()
+    x4step: X4StepConfig = X4StepConfig()
     log: LogConfig = LogConfig()
 
     @field_validator("tools")

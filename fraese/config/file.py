@@ -195,16 +195,15 @@ def _example(annotation: Any) -> str:
     """A value for a key that has none by default."""
     if choices := _literals(annotation):
         return str(choices[-1])
-    options = get_args(annotation)
-    if any(get_origin(option) is tuple for option in options):
+    kinds = get_args(annotation)
+    if any(get_origin(kind) is tuple for kind in kinds):
         return '["z", "x", "y"]'
-    examples = {float: "-2.0", int: "1"}
-    if Decimal in options:
-        return "360"
-    return next(
-        (text for kind, text in examples.items() if kind in options),
-        "{ pin = 14, active_high = true }",
+    tables = (
+        kind.in_one_line for kind in kinds if isinstance(kind, type) and issubclass(kind, Section)
     )
+    examples = {Decimal: "360", float: "-2.0", int: "1"}
+    numbers = (text for kind, text in examples.items() if kind in kinds)
+    return next(iter([*tables, *numbers]))
 
 
 def _literals(annotation: Any) -> tuple[Any, ...]:

@@ -17,6 +17,8 @@ _DEVICE = re.compile(r"(/[^\x00-\x1f\x7f]{1,200}|COM[0-9]{1,3})?")
 class OutputConfig(Section):
     """One free output on a control pin."""
 
+    in_one_line = "{ pin = 14, active_high = true }"
+
     pin: Literal[1, 14, 16, 17] = Field(description="DB25 pin of the control register.")
     active_high: bool = Field(True, description="Whether a high pin means on.")
 

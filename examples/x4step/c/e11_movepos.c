@@ -1,0 +1,14 @@
+/* An axis moves one way until ESC, then the other way. */
+#include "x4step.h"
+
+main()
+{
+    X4Init(2);
+    X4MovePos(1, 1000, 50);
+    while (X4GetState())
+        ;
+    X4MoveNeg(1, 1000, 50);
+    while (X4GetState())
+        ;
+    X4ReInit();
+}

@@ -1,0 +1,62 @@
+"""The test program of X4Step as a command."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fraese.assembly.drivers import ClockName
+from fraese.cli.shared import VALUES, ConfigOption, RealTimeOption, leave
+from fraese.config import file as configuration
+from fraese.errors import PortError, UsageError
+from fraese.x4step import X4Init, X4NoErr, X4ReInit
+from fraese.x4step.bench import Bench, Console
+from fraese.x4step.codes import PORTS
+from fraese.x4step.consoles import ScriptConsole, TerminalConsole
+from fraese.x4step.keys import Keyboard
+from fraese.x4step.surroundings import around, in_place, terminal_keyboard
+
+app = typer.Typer()
+
+
+@app.command(context_settings=VALUES)
+def bench(
+    lpt: Annotated[str, typer.Argument(metavar="[LPT]", help="Parallel port, 1 to 4.")] = "1",
+    config: ConfigOption = None,
+    real_time: RealTimeOption = False,
+) -> None:
+    """Try four motors with clock and direction from a prompt, as X4Step's TEST did."""
+    leave(lambda: _bench(lpt, config, real_time))
+
+
+def _bench(lpt: str, file: Path | None, real_time: bool) -> int:
+    if lpt not in map(str, PORTS):
+        raise UsageError(f'"{lpt}" is no parallel port: it is 1 to 4, as in fraese bench 2.')
+    config = configuration.load(file)
+    console, keyboard, clock = _spoken_with(config.x4step.keyboard, real_time)
+    with in_place(around(config, keyboard, clock)):
+        if X4Init(int(lpt)) is not X4NoErr:
+            raise PortError(f"LPT{lpt} cannot be used.")
+        try:
+            Bench(console).run()
+        finally:
+            X4ReInit()
+    return 0
+
+
+def _spoken_with(layout: str, real_time: bool) -> tuple[Console, Keyboard, ClockName]:
+    """A person at a terminal, in real time; or a script, as fast as it goes."""
+    if sys.stdin.isatty():
+        keyboard = terminal_keyboard(layout)
+        return TerminalConsole(keyboard, sys.stdin, _say, _prompt), keyboard, "paced"
+    script = ScriptConsole(sys.stdin.read(), _say, _prompt)
+    return script, Keyboard(script.keys), "paced" if real_time else "virtual"
+
+
+def _say(text: str) -> None:
+    print(text, flush=True)
+
+
+def _prompt(text: str) -> None:
+    print(text, end="", flush=True)

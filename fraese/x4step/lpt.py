@@ -1,0 +1,244 @@
+"""Ports LPT1 to LPT4: what stands behind each, and its opening.
+
+    kind         who makes the steps                      time
+    simulation   the core, in the owner's thread          paced by the wall, or virtual
+    ppdev        the core, in a process of its own        the machine's
+    devport      likewise
+    bridge       a microcontroller                        the machine's
+
+Rule 1: without a table in the configuration all four are simulated; with one, only those exist
+        that have a table.
+Rule 2: a simulated port carries four motors that follow anything, and inputs that a hand sets.
+        They rest high, as the pull-ups of a real port hold them.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from fraese.assembly.drivers import PORTS, on_metal
+from fraese.config import Config
+from fraese.config.wiring import PortConfig
+from fraese.config.x4step import LptConfig
+from fraese.errors import PortError
+from fraese.motor.awake import Awake
+from fraese.motor.cards.control import OutputPin
+from fraese.motor.cards.stepdir import STEPDIR_PROFILES, StepDirCard
+from fraese.motor.clock import MonotonicClock
+from fraese.motor.core import MotorCore
+from fraese.motor.electronics import StepDirElectronics
+from fraese.motor.mill import Mill, Slide
+from fraese.motor.pins import STATUS_PINS
+from fraese.motor.ports.recorder import Recorder
+from fraese.motor.ports.sim import SimulatedMill, Wiring
+from fraese.motor.rotor import RotorLimits
+from fraese.motor.seams import Clock, Port, StepDriver
+from fraese.motor.switches import SwitchInput
+from fraese.motor.waveform import TracedPort, Waveform
+from fraese.x4step.codes import AXES, FREQ_HZ
+from fraese.x4step.codes import PORTS as LPTS
+
+if TYPE_CHECKING:
+    from fraese.motor.realtime.setup import Setup
+
+MOTORS: Final = 4
+#: Signals 1 and 2, in the order of a driver's bits.
+SIGNAL_PINS: Final = (1, 14)
+#: What hangs on the pins.
+LINE_NAMES: Final[Mapping[int, str]] = {
+    **{2 * axis: f"direction{axis}" for axis in AXES},
+    **{2 * axis + 1: f"clock{axis}" for axis in AXES},
+    1: "signal1",
+    14: "signal2",
+    16: "boost",
+    17: "active",
+    **dict.fromkeys(STATUS_PINS, "input"),
+}
+#: Never fulfilled: inputs stop nothing here, and a floating one costs no time.
+NO_SWITCH: Final = SwitchInput(mask=0, closed_value=1)
+#: Follows whatever it is told: what a real motor can follow is not this library's business.
+_TIRELESS: Final = RotorLimits(1e9, 1e9, 1e12)
+_SLICE_S: Final = 0.004
+#: Simulated time passes in such steps while the axes stand.
+_SIMULATED_IDLE_S: Final = 0.002
+METAL_IDLE_S: Final = 0.01
+#: A report costs the microcontroller as much time as forty steps.
+_BRIDGE_S: Final = 0.015
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A port that is open.
+
+    Attributes:
+        driver: plays blocks on it.
+        clock: its time.
+        slice_s: how long one poll may take while axes move, s.
+        idle_s: between two polls while they stand, s.
+        mill: what is simulated behind it; None: there is metal.
+        recorder: every access to the simulated port; None: nobody asked for it.
+        awake: keeps the computer from sleeping; None: it may.
+    """
+
+    driver: StepDriver
+    clock: Clock
+    slice_s: float
+    idle_s: float
+    mill: SimulatedMill | None = None
+    recorder: Recorder | None = None
+    awake: Awake | None = None
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is to be opened.
+
+    Attributes:
+        lpt: 1 to 4.
+        config: all of it.
+        port: its own table.
+        make_clock: the time of a simulated port.
+        record: write every access down.
+        trace: waveform file of a simulated port; None: none is wanted.
+    """
+
+    lpt: int
+    config: Config
+    port: LptConfig
+    make_clock: Callable[[], Clock]
+    record: bool = False
+    trace: Path | None = None
+
+
+def port_config(config: Config, lpt: int) -> LptConfig:
+    """The table of a port.
+
+    Raises:
+        PortError: if it does not exist in this configuration.
+    """
+    tables = {number: getattr(config.x4step, f"lpt{number}") for number in LPTS}
+    if not any(tables.values()):
+        return LptConfig()
+    table = tables[lpt]
+    if table is None:
+        there = ", ".join(f"LPT{number}" for number, found in tables.items() if found)
+        raise PortError(f"LPT{lpt} is not configured; there is {there}.")
+    assert isinstance(table, LptConfig)
+    return table
+
+
+def open_lpt(wanted: Wanted) -> Opened:
+    """Open a port; nothing steps, all control pins go low.
+
+    Raises:
+        PortError: if it is not there, forbidden, or somebody else has it.
+    """
+    return OPENERS[wanted.port.kind](wanted)
+
+
+def set_pin(mill: SimulatedMill, pin: int, high: bool) -> None:
+    """Put a level on an input of a simulated port.
+
+    Raises:
+        ValueError: if the pin is no input.
+    """
+    if pin not in STATUS_PINS:
+        inputs = ", ".join(str(number) for number in sorted(STATUS_PINS))
+        raise ValueError(f"pin {pin} is no input; the inputs are {inputs}")
+    bit, inverted = STATUS_PINS[pin]
+    mill.inputs = mill.inputs | bit if high != inverted else mill.inputs & ~bit
+
+
+def x4step_card(port: LptConfig) -> StepDirCard:
+    """Four motors with the manual's timing, and its two free signals."""
+    return StepDirCard(
+        STEPDIR_PROFILES["x4step"],
+        clock_idles_high=port.clock_idles_high,
+        forward_high=port.forward_high,
+        outputs=[OutputPin(pin) for pin in SIGNAL_PINS],
+        motors=MOTORS,
+    )
+
+
+def _simulation(wanted: Wanted) -> Opened:
+    clock = wanted.make_clock()
+    mill = Mill([Slide(math.inf, _TIRELESS)] * MOTORS)
+    port = wanted.port
+    electronics = StepDirElectronics(mill, clock, port.clock_idles_high, port.forward_high)
+    simulated = SimulatedMill(mill, electronics, clock, Wiring(mask=0))
+    for pin in STATUS_PINS:
+        set_pin(simulated, pin, pin not in port.low_pins)
+    recorder = Recorder(simulated, clock) if wanted.record else None
+    seen: Port = recorder or simulated
+    if wanted.trace is not None:
+        seen = TracedPort(seen, clock, Waveform(wanted.trace, f"lpt{wanted.lpt}", LINE_NAMES))
+    core = MotorCore(seen, x4step_card(port), clock, NO_SWITCH, settle_s=0.0)
+    return Opened(core, clock, _SLICE_S, _SIMULATED_IDLE_S, simulated, recorder)
+
+
+def _in_real_time(wanted: Wanted) -> Opened:
+    # Only where there is such a port: what the child needs exists on Linux only.
+    from fraese.motor.realtime.driver import RealtimeDriver
+
+    made = on_metal(RealtimeDriver(realtime_setup(wanted)), MonotonicClock())
+    return Opened(made.driver, made.clock, _SLICE_S, METAL_IDLE_S, awake=made.awake)
+
+
+def realtime_setup(wanted: Wanted, open_port: Callable[[], Port] | None = None) -> "Setup":
+    """What the step process is told.
+
+    Args:
+        wanted: the port.
+        open_port: opens something else in its place.
+    """
+    from fraese.motor.realtime.setup import RealtimeOptions, Setup
+
+    realtime = wanted.config.realtime
+    as_port = wanted.config.model_copy(update={"port": _as_port(wanted.port)})
+    return Setup(
+        open_port or PORTS[wanted.port.kind](as_port),
+        x4step_card(wanted.port),
+        switch=NO_SWITCH,
+        settle_s=0.0,
+        options=RealtimeOptions(
+            top_rate_hz=FREQ_HZ[1], core=realtime.core, silent_s=realtime.silent_s
+        ),
+    )
+
+
+def _as_port(port: LptConfig) -> PortConfig:
+    return PortConfig(**{key: getattr(port, key) for key in PortConfig.model_fields})
+
+
+def _on_bridge(wanted: Wanted) -> Opened:
+    # Nobody else needs pyserial.
+    from functools import partial
+
+    from fraese.motor.bridge.driver import BridgeDriver
+    from fraese.motor.bridge.line import SerialLine, only_candidate, serial_ports
+
+    port = wanted.port
+    device = port.device or only_candidate(serial_ports())
+    clock = MonotonicClock()
+    driver = BridgeDriver(
+        partial(SerialLine, device, port.baud),
+        x4step_card(port),
+        clock,
+        switch=NO_SWITCH,
+        settle_s=0.0,
+        silence_s=wanted.config.realtime.silent_s,
+        name=device,
+        baud=port.baud,
+    )
+    made = on_metal(driver, clock)
+    return Opened(driver, clock, _BRIDGE_S, _BRIDGE_S, awake=made.awake)
+
+
+OPENERS: Final[Mapping[str, Callable[[Wanted], Opened]]] = {
+    "simulation": _simulation,
+    "ppdev": _in_real_time,
+    "devport": _in_real_time,
+    "bridge": _on_bridge,
+}

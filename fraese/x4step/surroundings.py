@@ -1,0 +1,202 @@
+"""What a program meets when it opens a port: configuration, clock, keyboard.
+
+    environment              says
+    FRAESE_CONFIG            configuration file; else as for every other command
+    FRAESE_X4STEP_CLOCK      paced (default) or virtual: how time passes on a simulated port
+    FRAESE_X4STEP_PINS       inputs of simulated ports, as in 15=low,10=high
+    FRAESE_TRACE             waveform file of simulated ports; the next one gets -2, and so on
+
+A test puts its own surroundings in their place: see ``fraese.x4step.testing``.
+"""
+
+import os
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Final, get_args
+
+from fraese.assembly import state_folder
+from fraese.assembly.drivers import CLOCKS, ClockName
+from fraese.config import Config
+from fraese.config.file import load
+from fraese.errors import ConfigError
+from fraese.log import LogFile, write
+from fraese.motor.pins import STATUS_PINS
+from fraese.motor.seams import Clock
+from fraese.x4step.keys import Keyboard, NoKeys
+from fraese.x4step.lpt import Opened, Wanted, open_lpt, port_config
+
+CONFIG_VARIABLE: Final = "FRAESE_CONFIG"
+CLOCK_VARIABLE: Final = "FRAESE_X4STEP_CLOCK"
+PINS_VARIABLE: Final = "FRAESE_X4STEP_PINS"
+TRACE_VARIABLE: Final = "FRAESE_TRACE"
+
+_LEVELS: Final = {"low": False, "high": True, "0": False, "1": True}
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What a program meets.
+
+    Attributes:
+        open: opens a port, by its number.
+        keyboard: what is typed.
+        is_lockstep: time is virtual: it passes when the caller asks.
+    """
+
+    open: Callable[[int], Opened]
+    keyboard: Keyboard
+    is_lockstep: bool
+
+
+@cache
+def terminal_keyboard(layout: str) -> Keyboard:
+    """The keyboard of a program that was started in a terminal; one for the whole program."""
+    try:
+        # Only where there are such terminals.
+        from fraese.x4step.terminal import keys_of
+    except ImportError:
+        return Keyboard(NoKeys(sys.stdin))
+    return Keyboard(keys_of(sys.stdin, layout) or NoKeys(sys.stdin))
+
+
+@cache
+def log_of(file: str) -> LogFile:
+    """The log, as configured; one for the whole program."""
+    return LogFile(Path(file) if file else state_folder() / "fraese.log")
+
+
+def from_environment(environment: Mapping[str, str] = os.environ) -> Surroundings:
+    """The surroundings of a program that was just started.
+
+    Raises:
+        ConfigError: if a file or variable is wrong.
+    """
+    named = environment.get(CONFIG_VARIABLE)
+    config = load(Path(named) if named else None)
+    return around(config, terminal_keyboard(config.x4step.keyboard), "paced", environment)
+
+
+def around(
+    config: Config,
+    keyboard: Keyboard,
+    clock: ClockName,
+    environment: Mapping[str, str] = os.environ,
+) -> Surroundings:
+    """Surroundings of a program that brings its own configuration and keyboard.
+
+    Args:
+        config: all of it.
+        keyboard: what is typed.
+        clock: of simulated ports, if the environment does not say.
+        environment: says the clock and the levels of inputs.
+
+    Raises:
+        ConfigError: if a variable is wrong.
+    """
+    if config.log.enabled:
+        log_of(config.log.file).switch(True)
+    name = clock_named(environment.get(CLOCK_VARIABLE) or clock)
+    levels = pin_levels(environment.get(PINS_VARIABLE) or "")
+    trace = environment.get(TRACE_VARIABLE)
+    return made(
+        config,
+        CLOCKS[name],
+        levels,
+        keyboard,
+        is_lockstep=name == "virtual",
+        trace=Path(trace) if trace else None,
+    )
+
+
+def made(
+    config: Config,
+    make_clock: Callable[[], Clock],
+    levels: Mapping[int, bool],
+    keyboard: Keyboard,
+    *,
+    is_lockstep: bool,
+    record: bool = False,
+    trace: Path | None = None,
+) -> Surroundings:
+    """Surroundings of these things."""
+
+    def opened(lpt: int) -> Opened:
+        port = port_config(config, lpt)
+        low = {pin for pin in STATUS_PINS if not levels.get(pin, pin not in port.low_pins)}
+        port = port.model_copy(update={"low_pins": tuple(sorted(low))})
+        return open_lpt(Wanted(lpt, config, port, make_clock, record, trace and _next_file(trace)))
+
+    return Surroundings(opened, keyboard, is_lockstep)
+
+
+_traced: Counter[Path] = Counter()
+
+
+def _next_file(path: Path) -> Path:
+    """The file for the next port of this program."""
+    _traced[path] += 1
+    number = _traced[path]
+    return path if number == 1 else path.with_stem(f"{path.stem}-{number}")
+
+
+def clock_named(name: str) -> ClockName:
+    """A clock, by its name.
+
+    Raises:
+        ConfigError: if there is none of that name.
+    """
+    for clock in get_args(ClockName):
+        if clock == name:
+            found: ClockName = clock
+            return found
+    raise ConfigError(f'{CLOCK_VARIABLE}: "{name}" is no clock; say paced or virtual.')
+
+
+def pin_levels(text: str) -> dict[int, bool]:
+    """Levels of input pins, from ``15=low,10=high``.
+
+    Raises:
+        ConfigError: if a word is no pin with its level.
+    """
+    levels = {}
+    for word in text.replace(",", " ").split():
+        pin, _, level = word.partition("=")
+        if pin not in map(str, STATUS_PINS) or level.lower() not in _LEVELS:
+            raise ConfigError(
+                f'{PINS_VARIABLE}: "{word}" is no input with its level, as in 15=low,10=high.'
+            )
+        levels[int(pin)] = _LEVELS[level.lower()]
+    return levels
+
+
+def complain(sentence: str) -> None:
+    """Tell a person, who has only a number in their program."""
+    write("x4step", "port", "error", sentence)
+    sys.stderr.write(f"x4step: {sentence}\n")
+
+
+_in_place: list[Surroundings] = []
+
+
+def present() -> Surroundings:
+    """The surroundings that hold now.
+
+    Raises:
+        ConfigError: if a file or variable is wrong.
+    """
+    return _in_place[-1] if _in_place else from_environment()
+
+
+@contextmanager
+def in_place(surroundings: Surroundings) -> Iterator[None]:
+    """Have others hold for a while."""
+    _in_place.append(surroundings)
+    try:
+        yield
+    finally:
+        _in_place.remove(surroundings)
