@@ -119,8 +119,8 @@ class _Limits:
 
     def block(self, steps: tuple[int, ...], pieces: Law, *, ends_at_rest: bool) -> Block:
         return Block(
-            steps,
-            tuple(pieces),
+            steps=steps,
+            pieces=tuple(pieces),
             accel_q=self._accel_q,
             jump_rate_q8=self._jump_rate_q8,
             weight=1,
