@@ -114,4 +114,20 @@ MUTANTS: Final = (
             "realtime/test_player.py", "TestPlaying::test_motors_run_until_the_last_pulse_has_ended"
         ),
     ),
+    Mutant(
+        "realtime/process: a parent that ends does not wait for its child's motors",
+        "after Ctrl-C the motors stay on when the step process died in the same moment",
+        _R + "process.py",
+        "        self._pipe.close()\n        self._buried.wait(_BURIAL_S)\n",
+        "        self._pipe.close()\n",
+        tests_of("realtime/test_lives.py", "TestDeathOfTheHost"),
+    ),
+    Mutant(
+        "realtime/session: a machine that stood still blames the child",
+        "the position is lost because the host was busy",
+        _R + "session.py",
+        "waited_s += min(looked_s - before_s, _HELD_UP_S)",
+        "waited_s += looked_s - before_s",
+        tests_of("realtime/test_lives.py", "TestDeathOfTheChild"),
+    ),
 )

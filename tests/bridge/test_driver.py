@@ -181,6 +181,19 @@ class TestBrake:
         assert longer_ns - since_ns < 10_000_000
         assert run(bench).held
 
+    def test_a_resume_comes_after_a_brake_that_the_line_swallowed(
+        self, bench: FirmwareBench, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        bench.driver.push(line(6000))
+        bench.driver.poll(0.3)
+        with monkeypatch.context() as deaf:
+            deaf.setattr(bench.lines[-1], "write", lambda _data: None)
+            bench.driver.brake()
+        bench.driver.resume()
+        assert bench.driver.status.brakes
+        report = run(bench)
+        assert (report.held, report.position_steps) == (False, (6000, 0, 0))
+
     def test_an_override_is_sent_with_the_next_poll(self, bench: FirmwareBench) -> None:
         bench.driver.push(line(4000)._replace(override_q8=256))
         bench.driver.poll(0.3)

@@ -6,9 +6,13 @@ Rule 2: a thread waits for its death. Unless it left in order, the port is opene
         the motors are switched off; only then anybody is told.
 Rule 3: the shared memory is given back when nobody holds it any more: ``brake`` may come late, from
         any thread.
-Rule 4: while it lives, the threads of this process leave its core to it.
+Rule 4: a parent that ends without closing tells the child so by its pipe, and stays until the
+        motors are off: the child may have died a moment ago, unknown to anybody. Only a parent that
+        is killed does not; then a child that lives sees to it alone.
+Rule 5: while it lives, the threads of this process leave its core to it.
 """
 
+import atexit
 import contextlib
 import os
 import pickle
@@ -101,6 +105,7 @@ class ChildProcess:
         self._started = False
         self._code = 0
         threading.Thread(target=self._watch, name="step process", daemon=True).start()
+        atexit.register(self._end_with_it)
         self._hand_over(setup)
         self.notes = self._wait_until_ready()
         self._kept_off.leave_to(self.pid)
@@ -190,6 +195,12 @@ class ChildProcess:
             self.death = Death(self._how(code), error=repr(error))
         finally:
             self._buried.set()
+            atexit.unregister(self._end_with_it)
+
+    def _end_with_it(self) -> None:
+        """This process ends, but not before the motors are off."""
+        self._pipe.close()
+        self._buried.wait(_BURIAL_S)
 
     def _judge(self, code: int, ended_ns: int) -> Death:
         stage = self.memory.words[STAGE]

@@ -6,7 +6,8 @@
 Rule 1: every call is a sign of life of the host.
 Rule 2: numbers never come twice, from whatever thread: a word that differs is news.
 Rule 3: who does not answer for a second is hung, and killed. That it is dead is told with what
-        became of the motors.
+        became of the motors. Only time in which we looked for an answer counts: where the whole
+        machine stood still, the child could not answer either.
 """
 
 import time
@@ -36,6 +37,8 @@ from fraese.motor.realtime.setup import Setup
 _ANSWER_S: Final = 0.000_1
 #: Who does not answer for so long is hung, s.
 HUNG_S: Final = 1.0
+#: Two looks that are further apart than this were held up, s.
+_HELD_UP_S: Final = 0.05
 #: A report is written in a microsecond; who is in the middle of it for so many looks is dead.
 _LOOKS: Final = 1000
 
@@ -168,11 +171,13 @@ class Session:
     def _wait_for(self, answered: Callable[[], bool]) -> None:
         self.beat()
         self.child.ring()
-        until_s = time.monotonic() + self._hung_s
+        looked_s, waited_s = time.monotonic(), 0.0
         while not answered():
             if self.child.is_gone:
                 self._tell_death()
-            if time.monotonic() > until_s:
+            before_s, looked_s = looked_s, time.monotonic()
+            waited_s += min(looked_s - before_s, _HELD_UP_S)
+            if waited_s > self._hung_s:
                 self.child.kill(
                     f"The step process did not answer for {self._hung_s:g} s and was killed"
                 )
