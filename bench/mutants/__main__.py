@@ -36,8 +36,8 @@ def main(words: list[str]) -> int:
         return 1
     with tempfile.TemporaryDirectory() as folder:
         trial = Trial(Path(folder))
-        if not trial.passes(test for mutant in mutants for test in mutant.tests):
-            print("the tests fail without any fault; mend that first")
+        if failed := trial.failure(test for mutant in mutants for test in mutant.tests):
+            print(f"without any fault this fails; mend that first: {failed}")
             return 1
         counts: Counter[Verdict] = Counter()
         for mutant in mutants:

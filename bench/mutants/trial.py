@@ -54,9 +54,10 @@ class Trial:
         if not Path(where.strip()).is_relative_to(self._tree):
             raise RuntimeError(f"the copy is not what would be tried: fraese is {where.strip()}")
 
-    def passes(self, tests: Iterable[str]) -> bool:
-        """The copy, as it is, passes these tests."""
-        return not tests or self._pytest(sorted(set(tests)), None)[0] == _PASSED
+    def failure(self, tests: Iterable[str]) -> str:
+        """The first of these tests that the copy fails as it is; empty: none."""
+        code, said = self._pytest(sorted(set(tests)), None)
+        return "" if code == _PASSED else next(iter(_FIRST_FAILED.findall(said)), said)
 
     def verdict(self, mutant: Mutant) -> tuple[Verdict, str]:
         """Put the fault in, run the tests, take it out; also says which test failed first."""
