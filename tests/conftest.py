@@ -4,6 +4,7 @@ Tests that start processes in real time have the machine for themselves (marker 
 others may run several at once (``pytest -n 2 -m "not alone"``).
 """
 
+import signal
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,12 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("fraese")
+
+
+# What a shell without job control starts in the background has SIGINT ignored, and so would every
+# program that the tests start: none of them would hear its Ctrl-C.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -7,6 +7,7 @@ Rule 3: a complaint names file and key, says what is wrong and what would be rig
 """
 
 import os
+import re
 import tomllib
 from collections.abc import Mapping
 from decimal import Decimal
@@ -29,6 +30,20 @@ FILE_NAME = "fraese.toml"
 #: Values in messages are cut behind this many characters.
 _SHOWN_CHARACTERS = 60
 _SCALARS = (int, float, str, Decimal)
+#: What the checker says of its own types, and how one says it of a TOML file.
+_TOML_WORDS: Mapping[str, str] = {
+    r"^Value error, ": "",
+    r"^Input should be": "must be",
+    r"^Tuple should have": "must have",
+    r" after validation|, (unable to|got a) [a-z ]+": "",
+    r"a valid (tuple|list)": "a list",
+    r"a valid integer|an? integer": "a whole number",
+    r"a valid number|a valid decimal": "a number",
+    r"a valid string": "a text in quotes",
+    r"a valid boolean": "true or false",
+    r"a valid dictionary( or instance of \w+)?": "a table",
+    r"\.$": "",
+}
 #: Kinds of a table that the place of a complaint names, but not the file.
 _KINDS: Mapping[str, type[Section]] = {"linear": LinearAxis, "rotary": RotaryAxis}
 #: Tables of which there may be several, and the name of one that serves as an example.
@@ -93,12 +108,9 @@ def _sentence(error: ValidationError) -> str:
         known = ", ".join(sorted(parent.model_fields)) if parent else ""
         text = f"unknown key {key}" + (f"; known here: {known}" if known else "")
     else:
-        said = (
-            first["msg"]
-            .removeprefix("Value error, ")
-            .replace("Input should be", "must be")
-            .removesuffix(".")
-        )
+        said = first["msg"]
+        for theirs, ours in _TOML_WORDS.items():
+            said = re.sub(theirs, ours, said)
         given = first["input"]
         shown = f", not {_short(given)}" if isinstance(given, _SCALARS) else ""
         text = f"{key}: {said}{shown}" if key else said
