@@ -96,11 +96,11 @@ MUTANTS: Final = (
         tests_of("program/test_more_axes.py", "test_from_a_line_the_way_is_never_below_the_place"),
     ),
     Mutant(
-        "program/translate: M49 is no protection from the override",
+        "planner/targets: M49 is no protection from the override",
         "a tap or a probe is slowed down or hurried against the program's word",
-        _P + "translate.py",
-        "acts=self._may_override",
-        "acts=True",
+        "fraese/planner/targets.py",
+        "        if self.keeps_feed:\n",
+        "        if False:\n",
         tests_of(
             "program/test_program.py",
             "test_m49_holds_the_feed_against_an_override_that_comes_while_it_moves",

@@ -61,6 +61,7 @@ class Planner:
         self._exact_stop = False
         self._tolerance_mm = 0.0
         self._override = 1.0
+        self._keeps_feed = False
         self._begin_at(start_steps, slack_steps or (0,) * len(machine.axes))
 
     def _begin_at(self, position_steps: Steps, slack_steps: Steps) -> None:
@@ -78,6 +79,7 @@ class Planner:
         )
         self._targets.exact_stop = self._exact_stop
         self._targets.override = self._override
+        self._targets.keeps_feed = self._keeps_feed
         self._chain = Chain()
         self._target_mm = self._machine.to_mm(position_steps)
 
@@ -281,12 +283,18 @@ class Planner:
         self._window.stand()
         return blocks
 
-    def set_override(self, factor: float, *, acts: bool = True) -> None:
+    def allow_override(self, allowed: bool) -> Sequence[Block]:
+        """M48 and M49: whether an override acts on the feeds of the moves from here on."""
+        self._require_taken()
+        blocks = list(self._end_chain() or ())
+        self._keeps_feed = self._targets.keeps_feed = not allowed
+        return blocks
+
+    def set_override(self, factor: float) -> None:
         """Scale the feeds (not the rapids) of all segments that are not final.
 
         Args:
             factor: 0.1 to 2.
-            acts: whether the driver may lower it later for blocks that are final (not with M49).
 
         Raises:
             ValueError: if it is outside.
@@ -294,7 +302,7 @@ class Planner:
         if not 0.1 <= factor <= 2:
             raise ValueError("a feed override is 10 to 200 %")
         self._override = self._targets.override = factor
-        self._maker.override_q8 = round(factor * Q8) if acts else 0
+        self._maker.override_q8 = round(factor * Q8)
         self._window.set_override(factor)
 
     def reset(self, position_steps: Steps, slack_steps: Steps | None = None) -> None:

@@ -40,6 +40,7 @@ class Targets:
         outputs: change that waits for a segment.
         exact_stop: the next corner is passed no faster than the start/stop rates.
         override: factor of feeds; only to know what is a long move.
+        keeps_feed: no override acts on what is planned now.
         streaming: a long move is on its way, and not all of its blocks were taken.
     """
 
@@ -65,6 +66,7 @@ class Targets:
         self.outputs: Outputs | None = None
         self.exact_stop = False
         self.override = 1.0
+        self.keeps_feed = False
         self.streaming = False
 
     def go(
@@ -91,6 +93,9 @@ class Targets:
         at = self.reached_steps
         if there == at:
             return None
+        if self.keeps_feed:
+            # As a rapid is: only that its highest speed is the feed.
+            feed_mm_s, top_mm_s = UNLIMITED, min(feed_mm_s, top_mm_s)
         if self._are_three:
             # What most machines have, and every line of a program comes by: written out.
             x, y, z = there

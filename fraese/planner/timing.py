@@ -34,7 +34,7 @@ class BlockMaker:
     def __init__(self, machine: Machine) -> None:
         self._signs = tuple(axis.motor_sign for axis in machine.axes)
         self._straight = all(sign == 1 for sign in self._signs)
-        #: Feed override that segments are planned with, 256 for 100 %; 0: none acts.
+        #: Feed override that segments are planned with, 256 for 100 %.
         self.override_q8 = Q8
 
     def block(

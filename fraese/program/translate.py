@@ -39,7 +39,6 @@ class Translation:
         self._context = context
         self._controller = controller
         self._override = 1.0
-        self._may_override = True
         self._probed_way: tuple[float, ...] = ()
         self.planner = Planner(
             context.machine, context.start_steps, context.options(), context.slack_steps
@@ -75,13 +74,8 @@ class Translation:
 
     def _follow_override(self) -> None:
         if self._controller is not None and self._controller.override != self._override:
-            self._apply_override()
-
-    def _apply_override(self) -> None:
-        if self._controller is not None:
             self._override = self._controller.override
-            factor = self._override if self._may_override else 1.0
-            self.planner.set_override(factor, acts=self._may_override)
+            self.planner.set_override(self._override)
 
     # --- moves ---------------------------------------------------------------------------------
 
@@ -102,10 +96,8 @@ class Translation:
         return None
 
     def _overrides(self, move: canon.Overrides) -> Part:
-        self._may_override = move.enabled
-        self._apply_override()
+        yield from _each(self.planner.allow_override(move.enabled))
         return None
-        yield
 
     def _end(self, move: canon.End) -> Part:
         yield from _each(self.planner.drain())

@@ -245,8 +245,8 @@ def test_m49_holds_the_feed_against_an_override_that_comes_while_it_moves(tmp_pa
     assert run_program(made, program(tmp_path, "M49\nG1 X20 F120\nM2\n")) is Status.OK
     job = controller.state().job
     assert job is not None
-    # M2 gives the override back, and what is not final then follows it: a block of a second.
-    assert job.elapsed_s == pytest.approx(10.5, abs=0.8)
+    # M2 gives the override back, but not for moves that were planned before it.
+    assert job.elapsed_s == pytest.approx(10.1, abs=0.1)
 
 
 def test_an_override_from_before_holds_and_m49_takes_it_away(tmp_path: Path) -> None:
@@ -259,6 +259,24 @@ def test_an_override_from_before_holds_and_m49_takes_it_away(tmp_path: Path) -> 
 
     assert duration_s("G1 X20 F120\nM2\n") == pytest.approx(5, abs=0.6)
     assert duration_s("M49\nG1 X20 F120\nM2\n") == pytest.approx(10, abs=0.6)
+
+
+@pytest.mark.parametrize("path", ["", "G64 P0.01\n"])
+def test_m48_and_m49_hold_for_the_moves_behind_them_alone(tmp_path: Path, path: str) -> None:
+    """Twice as long with half the feed; not where the program does not allow it."""
+
+    def duration_s(text: str, factor: float) -> float:
+        made = homed()
+        made.controller.set_override(factor)
+        before_ns = made.clock.now_ns()
+        assert run_program(made, program(tmp_path, path + text + "M2\n")) is Status.OK
+        return (made.clock.now_ns() - before_ns) / 1e9
+
+    follows, keeps = "M48\nG1 X2 F120\nX4\n", "M49\nG1 X5 F60\nX6\n"
+    for text in (follows + keeps, keeps.replace("5", "1").replace("6", "2") + follows):
+        whole_s = duration_s(text, 1.0)
+        way_mm = 4 if text.startswith("M48") else 2
+        assert duration_s(text, 0.5) == pytest.approx(whole_s + way_mm / 2, abs=0.1)
 
 
 @pytest.mark.parametrize("factor", [0.09, 2.01, float("nan")])
