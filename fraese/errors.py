@@ -5,7 +5,8 @@
     │   ├── ConfigError         a key in the configuration
     │   ├── ProgramError        a line in a program (file and line in the message)
     │   ├── LimitError          a target outside the travel
-    │   └── StateError          not now: the machine is in another state
+    │   ├── StateError          not now: the machine is in another state
+    │   └── TraceError          a waveform that cannot be read or written
     ├── Alarm                   the job failed or was stopped          exit 1
     │   ├── SwitchAlarm         contact where none was expected
     │   ├── HomingError         an end that is not found or does not open
@@ -58,6 +59,10 @@ class LimitError(UsageError):
 
 class StateError(UsageError):
     """The command is not possible in the present state of the machine."""
+
+
+class TraceError(UsageError):
+    """A waveform file cannot be read or written; nothing has moved."""
 
 
 class Alarm(FraeseError):

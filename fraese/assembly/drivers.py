@@ -15,6 +15,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 from fraese.assembly.simulation import simulated_mill
+from fraese.assembly.tracing import LocalTrace, Trace, Wanted
 from fraese.config import Config
 from fraese.control.endswitches import contact_bits
 from fraese.control.savedstate import SavedState
@@ -26,7 +27,8 @@ from fraese.motor.seams import Card, Clock, Port, StepDriver
 from fraese.motor.switches import SwitchInput
 
 if TYPE_CHECKING:
-    from fraese.motor.realtime.setup import RealtimeOptions
+    from fraese.motor.realtime.driver import RealtimeDriver
+    from fraese.motor.realtime.setup import RealtimeOptions, Setup
 
 ClockName = Literal["virtual", "paced"]
 
@@ -47,12 +49,14 @@ class Order:
         card: what the registers mean, with its phases as they were kept.
         clock: for a simulated mill, how its time passes.
         kept: how a simulated mill was left.
+        trace: a waveform that is wanted; None: none is.
     """
 
     config: Config
     card: Card
     clock: ClockName
     kept: SavedState | None
+    trace: Wanted | None = None
 
     @property
     def switch(self) -> SwitchInput:
@@ -81,6 +85,7 @@ class Made(NamedTuple):
         mill: the simulated mill that it drives; None: there is metal.
         notes: what a person should know from the start.
         awake: keeps the machine from sleeping as long as the port is open; None: it may sleep.
+        trace: a waveform in the making, to be closed after the driver.
     """
 
     driver: StepDriver
@@ -89,22 +94,24 @@ class Made(NamedTuple):
     mill: SimulatedMill | None = None
     notes: tuple[str, ...] = ()
     awake: Awake | None = None
+    trace: Trace | None = None
 
 
 def _on_simulated_mill(order: Order) -> Made:
     clock = CLOCKS[order.clock]()
+    trace = LocalTrace(order.trace.begin(), clock) if order.trace else None
     mill = simulated_mill(order.config, clock)
     if order.kept is not None and order.kept.simulation:
         mill.set_states([RotorState(*values) for values in order.kept.simulation])
     core = MotorCore(
-        mill,
+        trace.on(mill) if trace else mill,
         order.card,
         clock,
         switch=order.switch,
         settle_s=order.settle_s,
         safe_outputs=order.safe_outputs,
     )
-    return Made(core, clock, _SLICE_S[order.clock], mill)
+    return Made(core, clock, _SLICE_S[order.clock], mill, trace=trace)
 
 
 def realtime_options(config: Config) -> "RealtimeOptions":
@@ -123,7 +130,6 @@ def realtime_options(config: Config) -> "RealtimeOptions":
 
 def _in_real_time(order: Order) -> Made:
     # Only where there is such a port: what the child needs exists on Linux only.
-    from fraese.motor.realtime.driver import RealtimeDriver
     from fraese.motor.realtime.setup import Setup
 
     setup = Setup(
@@ -134,12 +140,35 @@ def _in_real_time(order: Order) -> Made:
         safe_outputs=order.safe_outputs,
         options=realtime_options(order.config),
     )
-    return on_metal(RealtimeDriver(setup), MonotonicClock())
+    driver, trace = real_time_driver(setup, order.trace)
+    return on_metal(driver, MonotonicClock(), trace)
 
 
-def on_metal(driver: StepDriver, clock: Clock) -> Made:
+def real_time_driver(
+    setup: "Setup", wanted: Wanted | None
+) -> "tuple[RealtimeDriver, Trace | None]":
+    """A step process, and the waveform of what it writes, if one is wanted.
+
+    Raises:
+        PortError: if it does not start.
+        TraceError: if the waveform cannot be written; nothing was started.
+    """
+    from fraese.motor.realtime.accesses import ChildTrace
+    from fraese.motor.realtime.driver import RealtimeDriver
+
+    if wanted is None:
+        return RealtimeDriver(setup), None
+    trace = ChildTrace(wanted.begin())
+    try:
+        return RealtimeDriver(trace.on(setup)), trace
+    except BaseException:
+        trace.close()
+        raise
+
+
+def on_metal(driver: StepDriver, clock: Clock, trace: Trace | None = None) -> Made:
     """Where real motors hang on the other end, the computer must not fall asleep."""
-    return Made(driver, clock, _METAL_SLICE_S, awake=Awake())
+    return Made(driver, clock, _METAL_SLICE_S, awake=Awake(), trace=trace)
 
 
 def _ppdev(config: Config) -> Callable[[], Port]:

@@ -13,6 +13,7 @@ from fraese.assembly.cards import CARDS
 from fraese.assembly.drivers import DRIVERS, ClockName, Order
 from fraese.assembly.misfits import misfits
 from fraese.assembly.onlooker import MillOnlooker
+from fraese.assembly.tracing import Trace, wanted
 from fraese.assembly.trueaxis import true_axes
 from fraese.config import Config
 from fraese.control.controller import Controller
@@ -37,6 +38,7 @@ class Plant:
         notes: what a person should know from the start.
         awake: keeps the computer from sleeping until all is closed; None: it may sleep.
         onlooker: sees the simulated mill in the machine's coordinates; None: there is metal.
+        trace: a waveform in the making; None: none was asked for.
     """
 
     controller: Controller
@@ -47,6 +49,7 @@ class Plant:
     notes: tuple[str, ...] = ()
     awake: Awake | None = None
     onlooker: MillOnlooker | None = None
+    trace: Trace | None = None
 
     @property
     def is_simulated(self) -> bool:
@@ -89,6 +92,8 @@ class Plant:
             self.controller.close()
             self.save()
         finally:
+            if self.trace is not None:
+                self.trace.close()
             if self.awake is not None:
                 self.awake.let_go()
 
@@ -124,6 +129,7 @@ def assemble(
     state: Path | None = None,
     fresh: bool = False,
     at_desk: bool = False,
+    trace: Path | None = None,
 ) -> Plant:
     """Put a machine together as configured.
 
@@ -133,8 +139,10 @@ def assemble(
         state: folder in which the state is kept; None: it is not kept.
         fresh: forget what was kept.
         at_desk: nothing is to move: a simulated mill will do, metal is left alone.
+        trace: a waveform file to be written; None: none is.
 
     Raises:
+        TraceError: if the waveform file cannot be written.
         ConfigError: if the configuration cannot be built, or the kept state is damaged.
         PortError: if the port cannot be opened.
     """
@@ -149,7 +157,7 @@ def assemble(
     if kept is not None:
         card.set_phases(kept.phases)
     kind = "simulation" if at_desk else config.port.kind
-    made = DRIVERS[kind](Order(config, card, clock, kept))
+    made = DRIVERS[kind](Order(config, card, clock, kept, wanted(config, trace)))
     log = LogFile(
         Path(config.log.file) if config.log.file else (state or state_folder()) / "fraese.log"
     )
@@ -170,4 +178,5 @@ def assemble(
         if kept.moving:
             notes.append("The program ended while the machine moved: reference it again.")
     every = (*notes, *made.notes, *misfits(config))
-    return Plant(controller, made.clock, made.mill, state_file, config, every, made.awake, onlooker)
+    rest = made.awake, onlooker, made.trace
+    return Plant(controller, made.clock, made.mill, state_file, config, every, *rest)

@@ -9,7 +9,8 @@ import typer
 
 from fraese.assembly import Plant
 from fraese.cli import bench, bridge, doctor, files, motion, ports, scancodes, x4step
-from fraese.cli.shared import ConfigOption, FreshOption, StartingPlace, StateOption, leave
+from fraese.cli.session import note
+from fraese.cli.shared import ConfigOption, Drive, FreshOption, StateOption, TraceOption, leave
 from fraese.errors import UsageError
 from fraese.program import open_program
 
@@ -44,11 +45,12 @@ def start(
     file: Annotated[
         Path | None, typer.Option("--open", metavar="FILE", help="Program to open in the app.")
     ] = None,
+    trace: TraceOption = None,
 ) -> None:
     """Without a command, start the app."""
     if context.invoked_subcommand is not None:
         # What was said in front of the command holds for it.
-        given = {"config": config, "state": state, "fresh": fresh or None}
+        given = {"config": config, "state": state, "fresh": fresh or None, "trace": trace}
         given = {name: value for name, value in given.items() if value is not None}
         context.default_map = {context.invoked_subcommand: {**given, "check": given}}
         return
@@ -58,7 +60,8 @@ def start(
             raise UsageError(
                 "The app needs a terminal; without one use a command, see fraese --help."
             )
-        plant = StartingPlace(config=config, state=state, fresh=fresh).plant("paced")
+        on = Drive(config=config, state=state, fresh=fresh, trace=trace)
+        plant = on.plant("paced")
         return _run_app(plant, file)
 
     leave(go)
@@ -85,6 +88,8 @@ def _run_app(plant: Plant, program: Path | None) -> int:
         ui.run()
     finally:
         plant.close()
+        if plant.trace is not None:
+            note(plant.trace.waveform.sentence())
     # After a signal it says which.
     return ui.return_code or 0
 

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from fraese.assembly.drivers import ClockName
-from fraese.cli.shared import VALUES, ConfigOption, RealTimeOption, leave
+from fraese.cli.shared import VALUES, ConfigOption, RealTimeOption, TraceOption, leave
 from fraese.config import file as configuration
 from fraese.errors import PortError, UsageError
 from fraese.x4step import X4Init, X4NoErr, X4ReInit
@@ -25,17 +25,18 @@ def bench(
     lpt: Annotated[str, typer.Argument(metavar="[LPT]", help="Parallel port, 1 to 4.")] = "1",
     config: ConfigOption = None,
     real_time: RealTimeOption = False,
+    trace: TraceOption = None,
 ) -> None:
     """Try four motors with clock and direction from a prompt, as X4Step's TEST did."""
-    leave(lambda: _bench(lpt, config, real_time))
+    leave(lambda: _bench(lpt, config, real_time, trace))
 
 
-def _bench(lpt: str, file: Path | None, real_time: bool) -> int:
+def _bench(lpt: str, file: Path | None, real_time: bool, trace: Path | None) -> int:
     if lpt not in map(str, PORTS):
         raise UsageError(f'"{lpt}" is no parallel port: it is 1 to 4, as in fraese bench 2.')
     config = configuration.load(file)
     console, keyboard, clock = _spoken_with(config.x4step.keyboard, real_time)
-    with in_place(around(config, keyboard, clock)):
+    with in_place(around(config, keyboard, clock, trace=trace)):
         if X4Init(int(lpt)) is not X4NoErr:
             raise PortError(f"LPT{lpt} cannot be used.")
         try:

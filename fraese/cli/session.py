@@ -79,6 +79,8 @@ class Session:
             self._blocks = state.job.blocks if state.job else 0
             self._plant.close()
         self._end_progress()
+        if self._plant.trace is not None:
+            note(self._plant.trace.waveform.sentence())
         self._say_result(status, state)
         return _EXIT_CODES[status]
 
@@ -131,6 +133,21 @@ class Session:
             "carriages_mm": if_seen(state.carriages_mm),
             "lost_steps": if_seen(state.lost_steps),
             "lost_why": if_seen(state.lost_why),
+            **self._trace_result(),
+        }
+
+    def _trace_result(self) -> dict[str, Any]:
+        if self._plant.trace is None:
+            return {}
+        waveform = self._plant.trace.waveform
+        return {
+            "trace": {
+                "file": str(waveform.path),
+                "duration_s": waveform.duration_s,
+                "changes": waveform.changes,
+                "missing": waveform.missing,
+                "failure": waveform.failure,
+            }
         }
 
     # --- called by the run loop ----------------------------------------------------------------

@@ -5,7 +5,7 @@ Rule 1: a command says which options it shares by the type of its parameter ``on
 
             Place          --config --json --state
             StartingPlace  ... and --fresh
-            Drive          ... and --real-time
+            Drive          ... and --real-time --trace
 
 Rule 2: a command leaves with an exit code; whatever is refused is one sentence, never a traceback.
 """
@@ -19,7 +19,7 @@ import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final, get_type_hints
+from typing import Annotated, Any, Final, cast, get_type_hints
 
 import typer
 
@@ -45,6 +45,12 @@ StateOption = Annotated[
     typer.Option("--state", metavar="DIR", help="Folder in which the machine's state is kept."),
 ]
 FreshOption = Annotated[bool, typer.Option("--fresh", help="Forget the state that was kept.")]
+TraceOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--trace", metavar="FILE.vcd", help="Write a waveform of all lines, for fraese trace."
+    ),
+]
 RealTimeOption = Annotated[
     bool, typer.Option("--real-time", help="Let the simulated mill take its time.")
 ]
@@ -66,6 +72,7 @@ class Place:
     # Options of some commands only; here no fields.
     fresh = False
     real_time = False
+    trace = cast(Path | None, None)
 
     def plant(self, clock: ClockName | None = None, *, at_desk: bool = False) -> Plant:
         """The machine that they name; at a desk nothing is to move, and metal is left alone."""
@@ -75,6 +82,7 @@ class Place:
             state=self.state or state_folder(),
             fresh=self.fresh,
             at_desk=at_desk,
+            trace=self.trace,
         )
 
     def do(self, action: Callable[[Controller], object]) -> None:
@@ -103,6 +111,7 @@ class Drive(StartingPlace):
     """Options of a command that moves a machine."""
 
     real_time: RealTimeOption = False
+    trace: TraceOption = None
 
 
 def with_options(function: Callable[..., None]) -> Callable[..., None]:

@@ -7,7 +7,7 @@ cannot be opened, or was lost, is 6; why is written to standard error and to the
 import time
 from collections.abc import Callable, Iterable
 
-from fraese.errors import ConfigError, PortError
+from fraese.errors import ConfigError, PortError, TraceError
 from fraese.x4step import surroundings, verdicts
 from fraese.x4step.codes import (
     PORTS,
@@ -182,7 +182,7 @@ def _answer(action: Callable[[], object]) -> X4Error:
         action()
     except X4Failure as failure:
         return failure.code
-    except (PortError, ConfigError) as error:
+    except (PortError, ConfigError, TraceError) as error:
         surroundings.complain(str(error))
         return X4ErrLPTNotFound
     return X4NoErr

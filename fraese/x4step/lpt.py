@@ -18,7 +18,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from fraese.assembly.drivers import PORTS, on_metal
+from fraese.assembly import tracing
+from fraese.assembly.drivers import PORTS, on_metal, real_time_driver
 from fraese.config import Config
 from fraese.config.wiring import PortConfig
 from fraese.config.x4step import LptConfig
@@ -29,6 +30,7 @@ from fraese.motor.cards.stepdir import STEPDIR_PROFILES, StepDirCard
 from fraese.motor.clock import MonotonicClock
 from fraese.motor.core import MotorCore
 from fraese.motor.electronics import StepDirElectronics
+from fraese.motor.meaning import Meaning
 from fraese.motor.mill import Mill, Slide
 from fraese.motor.pins import STATUS_PINS
 from fraese.motor.ports.recorder import Recorder
@@ -36,7 +38,6 @@ from fraese.motor.ports.sim import SimulatedMill, Wiring
 from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import Clock, Port, StepDriver
 from fraese.motor.switches import SwitchInput
-from fraese.motor.waveform import TracedPort, Waveform
 from fraese.x4step.codes import AXES, FREQ_HZ
 from fraese.x4step.codes import PORTS as LPTS
 
@@ -80,6 +81,7 @@ class Opened:
         mill: what is simulated behind it; None: there is metal.
         recorder: every access to the simulated port; None: nobody asked for it.
         awake: keeps the computer from sleeping; None: it may.
+        trace: a waveform in the making, to be closed after the driver.
     """
 
     driver: StepDriver
@@ -89,6 +91,16 @@ class Opened:
     mill: SimulatedMill | None = None
     recorder: Recorder | None = None
     awake: Awake | None = None
+    trace: tracing.Trace | None = None
+
+    def let_go(self, complain: Callable[[str], None]) -> None:
+        """The driver is closed: the rest as well. A waveform that is not whole is told of."""
+        if self.awake is not None:
+            self.awake.let_go()
+        if self.trace is not None:
+            self.trace.close()
+            if not self.trace.waveform.is_whole:
+                complain(self.trace.waveform.sentence())
 
 
 @dataclass(frozen=True)
@@ -101,7 +113,7 @@ class Wanted:
         port: its own table.
         make_clock: the time of a simulated port.
         record: write every access down.
-        trace: waveform file of a simulated port; None: none is wanted.
+        trace: waveform file; None: none is wanted.
     """
 
     lpt: int
@@ -110,6 +122,13 @@ class Wanted:
     make_clock: Callable[[], Clock]
     record: bool = False
     trace: Path | None = None
+
+    @property
+    def waveform(self) -> tracing.Wanted | None:
+        """The waveform that is wanted."""
+        if self.trace is None:
+            return None
+        return tracing.Wanted(self.trace, f"lpt{self.lpt}", Meaning(LINE_NAMES))
 
 
 def port_config(config: Config, lpt: int) -> LptConfig:
@@ -172,18 +191,17 @@ def _simulation(wanted: Wanted) -> Opened:
         set_pin(simulated, pin, pin not in port.low_pins)
     recorder = Recorder(simulated, clock) if wanted.record else None
     seen: Port = recorder or simulated
-    if wanted.trace is not None:
-        seen = TracedPort(seen, clock, Waveform(wanted.trace, f"lpt{wanted.lpt}", LINE_NAMES))
+    waveform = wanted.waveform
+    trace = tracing.LocalTrace(waveform.begin(), clock) if waveform else None
+    seen = trace.on(seen) if trace else seen
     core = MotorCore(seen, x4step_card(port), clock, NO_SWITCH, settle_s=0.0)
-    return Opened(core, clock, _SLICE_S, _SIMULATED_IDLE_S, simulated, recorder)
+    return Opened(core, clock, _SLICE_S, _SIMULATED_IDLE_S, simulated, recorder, trace=trace)
 
 
 def _in_real_time(wanted: Wanted) -> Opened:
-    # Only where there is such a port: what the child needs exists on Linux only.
-    from fraese.motor.realtime.driver import RealtimeDriver
-
-    made = on_metal(RealtimeDriver(realtime_setup(wanted)), MonotonicClock())
-    return Opened(made.driver, made.clock, _SLICE_S, METAL_IDLE_S, awake=made.awake)
+    driver, trace = real_time_driver(realtime_setup(wanted), wanted.waveform)
+    made = on_metal(driver, MonotonicClock())
+    return Opened(driver, made.clock, _SLICE_S, METAL_IDLE_S, awake=made.awake, trace=trace)
 
 
 def realtime_setup(wanted: Wanted, open_port: Callable[[], Port] | None = None) -> "Setup":

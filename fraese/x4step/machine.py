@@ -290,8 +290,7 @@ class X4Step:
             try:
                 self._opened.driver.close()
             finally:
-                if self._opened.awake is not None:
-                    self._opened.awake.let_go()
+                self._opened.let_go(surroundings.complain)
 
     @property
     def is_open(self) -> bool:

@@ -4,7 +4,7 @@
     FRAESE_CONFIG            configuration file; else as for every other command
     FRAESE_X4STEP_CLOCK      paced (default) or virtual: how time passes on a simulated port
     FRAESE_X4STEP_PINS       inputs of simulated ports, as in 15=low,10=high
-    FRAESE_TRACE             waveform file of simulated ports; the next one gets -2, and so on
+    FRAESE_TRACE             waveform file; that of the next port gets -2, and so on
 
 A test puts its own surroundings in their place: see ``fraese.x4step.testing``.
 """
@@ -86,6 +86,7 @@ def around(
     keyboard: Keyboard,
     clock: ClockName,
     environment: Mapping[str, str] = os.environ,
+    trace: Path | None = None,
 ) -> Surroundings:
     """Surroundings of a program that brings its own configuration and keyboard.
 
@@ -93,7 +94,8 @@ def around(
         config: all of it.
         keyboard: what is typed.
         clock: of simulated ports, if the environment does not say.
-        environment: says the clock and the levels of inputs.
+        environment: says the clock, the levels of inputs, and a waveform file.
+        trace: waveform file; None: as the environment says.
 
     Raises:
         ConfigError: if a variable is wrong.
@@ -102,14 +104,14 @@ def around(
         log_of(config.log.file).switch(True)
     name = clock_named(environment.get(CLOCK_VARIABLE) or clock)
     levels = pin_levels(environment.get(PINS_VARIABLE) or "")
-    trace = environment.get(TRACE_VARIABLE)
+    named = environment.get(TRACE_VARIABLE)
     return made(
         config,
         CLOCKS[name],
         levels,
         keyboard,
         is_lockstep=name == "virtual",
-        trace=Path(trace) if trace else None,
+        trace=trace or (Path(named) if named else None),
     )
 
 

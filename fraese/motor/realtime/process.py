@@ -115,15 +115,14 @@ class ChildProcess:
         """Process number."""
         return self._process.pid
 
-    @staticmethod
-    def _spawn(fd: int, samples: int) -> "subprocess.Popen[bytes]":
+    def _spawn(self, fd: int, samples: int) -> "subprocess.Popen[bytes]":
         return subprocess.Popen(
             command(_MODULE, str(fd), str(samples)),
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             bufsize=0,
-            pass_fds=(fd,),
+            pass_fds=(fd, *self._setup.inherited),
             start_new_session=True,
             env=environment(),
         )

@@ -70,6 +70,8 @@ class Setup:
     safe_outputs: int = 0
     options: RealtimeOptions = field(default_factory=RealtimeOptions)
     meter: Meter | None = None
+    #: File descriptors that the child keeps, under the same numbers.
+    inherited: tuple[int, ...] = ()
 
     def gap_s(self) -> float:
         """Between two waits at the highest rate: with clock lines there are two waits a tick."""
