@@ -7,7 +7,14 @@ from typing import Annotated
 import typer
 
 from fraese.assembly.drivers import ClockName
-from fraese.cli.shared import VALUES, ConfigOption, RealTimeOption, TraceOption, leave
+from fraese.cli.shared import (
+    VALUES,
+    ConfigOption,
+    KeysOption,
+    RealTimeOption,
+    TraceOption,
+    leave,
+)
 from fraese.config import file as configuration
 from fraese.errors import PortError, UsageError
 from fraese.x4step import X4Init, X4NoErr, X4ReInit
@@ -15,7 +22,13 @@ from fraese.x4step.bench import Bench, Console
 from fraese.x4step.codes import PORTS
 from fraese.x4step.consoles import ScriptConsole, TerminalConsole
 from fraese.x4step.keys import Keyboard
-from fraese.x4step.surroundings import around, in_place, terminal_keyboard
+from fraese.x4step.surroundings import (
+    WantedKeys,
+    around,
+    in_place,
+    terminal_keyboard,
+    wanted_keys,
+)
 
 app = typer.Typer()
 
@@ -26,16 +39,20 @@ def bench(
     config: ConfigOption = None,
     real_time: RealTimeOption = False,
     trace: TraceOption = None,
+    keys: KeysOption = None,
 ) -> None:
     """Try four motors with clock and direction from a prompt, as X4Step's TEST did."""
-    leave(lambda: _bench(lpt, config, real_time, trace))
+    leave(lambda: _bench(lpt, config, real_time, trace, keys))
 
 
-def _bench(lpt: str, file: Path | None, real_time: bool, trace: Path | None) -> int:
+def _bench(
+    lpt: str, file: Path | None, real_time: bool, trace: Path | None, keys: str | None
+) -> int:
     if lpt not in map(str, PORTS):
         raise UsageError(f'"{lpt}" is no parallel port: it is 1 to 4, as in fraese bench 2.')
     config = configuration.load(file)
-    console, keyboard, clock = _spoken_with(config.x4step.keyboard, real_time)
+    wanted = wanted_keys(config.x4step, keys)
+    console, keyboard, clock = _spoken_with(wanted, real_time)
     with in_place(around(config, keyboard, clock, trace=trace)):
         if X4Init(int(lpt)) is not X4NoErr:
             raise PortError(f"LPT{lpt} cannot be used.")
@@ -46,10 +63,10 @@ def _bench(lpt: str, file: Path | None, real_time: bool, trace: Path | None) -> 
     return 0
 
 
-def _spoken_with(layout: str, real_time: bool) -> tuple[Console, Keyboard, ClockName]:
+def _spoken_with(wanted: WantedKeys, real_time: bool) -> tuple[Console, Keyboard, ClockName]:
     """A person at a terminal, in real time; or a script, as fast as it goes."""
     if sys.stdin.isatty():
-        keyboard = terminal_keyboard(layout)
+        keyboard = terminal_keyboard(wanted)
         return TerminalConsole(keyboard, sys.stdin, _say, _prompt), keyboard, "paced"
     script = ScriptConsole(sys.stdin.read(), _say, _prompt)
     return script, Keyboard(script.keys), "paced" if real_time else "virtual"

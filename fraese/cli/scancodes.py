@@ -1,56 +1,88 @@
 """Scan codes of keys, as STATUS.EXE on the disk of X4Step showed them."""
 
 import sys
+import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Final
 
 import typer
 
-from fraese.cli.shared import ConfigOption, leave
+from fraese.cli.shared import ConfigOption, KeysOption, leave
 from fraese.config import file as configuration
 from fraese.x4step.codes import ESC_CODE
-from fraese.x4step.decoder import Decoder, Key
+from fraese.x4step.decoder import Decoder, Stroke
 from fraese.x4step.keyboard import MAKE_CODES
-from fraese.x4step.keys import BREAK
-from fraese.x4step.surroundings import terminal_keyboard
+from fraese.x4step.keys import BREAK, NoKeys, ToldKeys
+from fraese.x4step.surroundings import program_keys, wanted_keys
 
 app = typer.Typer()
 
 _NAMES: Final = {code: name for name, code in MAKE_CODES.items()}
+#: Between two looks for a key, s.
+_LOOK_S: Final = 0.01
+#: Within this time a terminal has said what it knows, s.
+_KNOWN_S: Final = 0.3
 
 
 @app.command()
-def scancodes(config: ConfigOption = None) -> None:
+def scancodes(config: ConfigOption = None, keys: KeysOption = None) -> None:
     """Press keys and see their make and break codes, as X4BrakeCodes wants them; ESC twice ends."""
 
     def go() -> int:
+        wanted = wanted_keys(configuration.load(config).x4step, keys)
+        source = program_keys(wanted)
+        strokes = _of_file(wanted.layout) if isinstance(source, NoKeys) else _of_keys(source)
         before = 0
-        for key in _keys(configuration.load(config).x4step.keyboard):
-            print(_said(key), flush=True)
-            if key.code == before == ESC_CODE:
+        for stroke in strokes:
+            print(_said(stroke), flush=True)
+            if stroke.phase in ("release", "repeat"):
+                continue
+            if stroke.key.code == before == ESC_CODE:
                 break
-            before = key.code
+            before = stroke.key.code
         return 0
 
     leave(go)
 
 
-def _keys(layout: str) -> Iterator[Key]:
-    """Keys of the terminal, or those that a file would be."""
-    if not sys.stdin.isatty():
-        decoder = Decoder(layout)
-        yield from decoder.take(sys.stdin.buffer.read(), 0)
-        yield from decoder.rest()
-        return
-    keyboard = terminal_keyboard(layout)
-    while True:
-        try:
-            yield keyboard.getch()
-        except EOFError:
-            return
+def _of_file(layout: str) -> Iterator[Stroke]:
+    """What a terminal would make of a file."""
+    sys.stderr.write("Keys come from a file, as a terminal would send them.\n")
+    decoder = Decoder(layout)
+    yield from decoder.strokes(sys.stdin.buffer.read(), 0)
+    yield from (Stroke(key, "typed") for key in decoder.rest())
 
 
-def _said(key: Key) -> str:
+def _of_keys(source: ToldKeys) -> Iterator[Stroke]:
+    with _taken(source):
+        first: list[Stroke] = []
+        until_s = time.monotonic() + _KNOWN_S
+        while not first and time.monotonic() < until_s:
+            time.sleep(_LOOK_S)
+            first = source.strokes()
+        print(f"Keys come from {source.said}. ESC twice ends.", flush=True)
+        yield from first
+        while True:
+            yield from source.strokes()
+            time.sleep(_LOOK_S)
+
+
+@contextmanager
+def _taken(source: ToldKeys) -> Iterator[None]:
+    source.begin()
+    try:
+        yield
+    finally:
+        source.end()
+
+
+def _said(stroke: Stroke) -> str:
+    key, phase = stroke
     if not key.code:
         return f"{key.text!r}: lies nowhere on this keyboard; see x4step.keyboard"
-    return f"{_NAMES[key.code]:10} make {key.code:3d}  break {key.code + BREAK:3d}"
+    line = f"{_NAMES[key.code]:10} make {key.code:3d}  break {key.code + BREAK:3d}"
+    return line if phase == "typed" else f"{line}  {_WORDS[phase]}"
+
+
+_WORDS: Final = {"press": "down", "repeat": "repeats", "release": "up"}

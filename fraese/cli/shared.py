@@ -54,6 +54,17 @@ TraceOption = Annotated[
 RealTimeOption = Annotated[
     bool, typer.Option("--real-time", help="Let the simulated mill take its time.")
 ]
+KeysOption = Annotated[
+    str | None,
+    typer.Option(
+        "--keys",
+        metavar="SOURCE",
+        help=(
+            "Where keys come from: auto, kitty, plain, evdev, or evdev:/dev/input/event3; "
+            "else as configured."
+        ),
+    ),
+]
 FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Program or coordinate list.")]
 
 #: Words such as -1.5 or X-3 are values here, not options.

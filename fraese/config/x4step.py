@@ -26,6 +26,13 @@ class X4StepConfig(Section):
     keyboard: Literal["us", "de"] = Field(
         "us", description="Where characters lie on the keyboard, if a terminal sends no scan codes."
     )
+    keys: Literal["auto", "kitty", "plain", "evdev"] = Field(
+        "auto",
+        description="Where keys come from: a terminal, with or without releases; or Linux itself.",
+    )
+    event_devices: tuple[str, ...] = Field(
+        (), description='Keyboards, for "evdev", by full path; empty: all that may be read.'
+    )
     lpt1: LptConfig | None = Field(None, description="LPT1.")
     lpt2: LptConfig | None = Field(None, description="LPT2.")
     lpt3: LptConfig | None = Field(None, description="LPT3.")

@@ -59,6 +59,43 @@ _LAYOUTS: Final[Mapping[str, tuple[tuple[int, str], ...]]] = {
     ),
 }  # fmt: skip
 
+#: What a keyboard of evdev calls by another number (linux/input-event-codes.h); the others are the
+#: same. Grey keys as everywhere; Print is the * of the keypad with a prefix.
+_EVDEV_NAMES: Final = (
+    (96, "ENTER CTRL / KP* ALT"),
+    (102, "HOME UP PAGEUP LEFT RIGHT END DOWN PAGEDOWN INSERT DELETE"),
+)
+#: Make codes of the key codes of evdev.
+EVDEV_CODES: Final[Mapping[int, int]] = {
+    **{code: code for name, code in MAKE_CODES.items() if name != "SYSREQ"},
+    **{
+        first + place: MAKE_CODES[name]
+        for first, names in _EVDEV_NAMES
+        for place, name in enumerate(names.split())
+    },
+}
+
+#: Numbers of keys that are no characters in the kitty keyboard protocol, from the first of each
+#: row on; "-": X4Step knows no such key.
+_KITTY_NAMES: Final = (
+    (57358, "CAPSLOCK SCROLLLOCK NUMLOCK KP*"),
+    (57399, "INSERT END DOWN PAGEDOWN LEFT KP5 RIGHT HOME UP PAGEUP DELETE / KP* KP- KP+ ENTER"),
+    (57417, "LEFT RIGHT UP DOWN PAGEUP PAGEDOWN HOME END INSERT DELETE KP5"),
+    (57441, "SHIFT CTRL ALT - - - RIGHTSHIFT CTRL ALT - - - ALT"),
+)
+#: Make codes of those keys.
+KITTY_CODES: Final[Mapping[int, int]] = {
+    first + place: MAKE_CODES[name]
+    for first, names in _KITTY_NAMES
+    for place, name in enumerate(names.split())
+    if name != "-"
+}
+#: Keys that are no answer to ``getch``: they only change what others mean.
+SILENT_CODES: Final = frozenset(
+    MAKE_CODES[name]
+    for name in ("CAPSLOCK", "SCROLLLOCK", "NUMLOCK", "SHIFT", "CTRL", "ALT", "RIGHTSHIFT")
+)
+
 _EVERYWHERE: Final = {"\r": 28, "\n": 28, "\t": 15, "\x7f": 14, "\b": 14, " ": 57, "\x1b": 1}
 _CONTROL_A: Final = 1
 
@@ -85,7 +122,13 @@ SEQUENCES: Final[Mapping[str, int]] = {
             "ABCDHF", ("UP", "DOWN", "RIGHT", "LEFT", "HOME", "END"), strict=True
         )
     },
-    **{f"O{last}": MAKE_CODES[f"F{n}"] for n, last in enumerate("PQRS", 1)},
+    **{
+        lead + last: MAKE_CODES[f"F{n}"]
+        for lead in ("[", "O")
+        for n, last in enumerate("PQRS", 1)
+    },
+    "[E": MAKE_CODES["KP5"],
+    "[57427~": MAKE_CODES["KP5"],
     **{f"[[{last}": MAKE_CODES[f"F{n}"] for n, last in enumerate("ABCDE", 1)},
     **{
         f"[{number}~": MAKE_CODES[name]

@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Iterable
 from typing import Final, Protocol, TextIO
 
-from fraese.x4step.decoder import Key
+from fraese.x4step.decoder import Key, Stroke
 from fraese.x4step.keyboard import char_codes
 
 #: A break code is the make code and this.
@@ -46,6 +46,17 @@ class KeySource(Protocol):
 
     def line_ahead(self) -> str:
         """What was typed before the last ``begin`` and not asked for, up to the end of its line."""
+
+
+class ToldKeys(KeySource, Protocol):
+    """A source that tells more: what it is, and what happens to every key."""
+
+    @property
+    def said(self) -> str:
+        """What keys come from, for a person."""
+
+    def strokes(self) -> list[Stroke]:
+        """What happened to keys since the last call; never waits."""
 
 
 class NoKeys:

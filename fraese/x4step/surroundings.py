@@ -4,6 +4,7 @@
     FRAESE_CONFIG            configuration file; else as for every other command
     FRAESE_X4STEP_CLOCK      paced (default) or virtual: how time passes on a simulated port
     FRAESE_X4STEP_PINS       inputs of simulated ports, as in 15=low,10=high
+    FRAESE_X4STEP_KEYS       where keys come from: auto, kitty, plain, evdev, evdev:DEVICE,DEVICE
     FRAESE_TRACE             waveform file; that of the next port gets -2, and so on
 
 A test puts its own surroundings in their place: see ``fraese.x4step.testing``.
@@ -17,24 +18,27 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Final, get_args
+from typing import Final, Literal, NamedTuple, get_args
 
 from fraese.assembly import state_folder
 from fraese.assembly.drivers import CLOCKS, ClockName
 from fraese.config import Config
 from fraese.config.file import load
+from fraese.config.x4step import X4StepConfig
 from fraese.errors import ConfigError
 from fraese.log import LogFile, write
 from fraese.motor.pins import STATUS_PINS
 from fraese.motor.seams import Clock
-from fraese.x4step.keys import Keyboard, NoKeys
+from fraese.x4step.keys import Keyboard, NoKeys, ToldKeys
 from fraese.x4step.lpt import Opened, Wanted, open_lpt, port_config
 
 CONFIG_VARIABLE: Final = "FRAESE_CONFIG"
 CLOCK_VARIABLE: Final = "FRAESE_X4STEP_CLOCK"
 PINS_VARIABLE: Final = "FRAESE_X4STEP_PINS"
+KEYS_VARIABLE: Final = "FRAESE_X4STEP_KEYS"
 TRACE_VARIABLE: Final = "FRAESE_TRACE"
 
+KeysName = Literal["auto", "kitty", "plain", "evdev"]
 _LEVELS: Final = {"low": False, "high": True, "0": False, "1": True}
 
 
@@ -53,15 +57,78 @@ class Surroundings:
     is_lockstep: bool
 
 
+class WantedKeys(NamedTuple):
+    """Where keys are to come from.
+
+    Attributes:
+        layout: where characters lie.
+        source: auto, kitty, plain or evdev.
+        devices: keyboards, for evdev; none: all that may be read.
+    """
+
+    layout: str
+    source: KeysName = "auto"
+    devices: tuple[str, ...] = ()
+
+
+def wanted_keys(
+    config: X4StepConfig, named: str | None = None, environment: Mapping[str, str] = os.environ
+) -> WantedKeys:
+    """Where keys are to come from: as a flag says, else the environment, else the configuration.
+
+    Args:
+        config: what stands there.
+        named: the flag; "evdev:" and paths, with commas, names the keyboards too.
+        environment: as for a flag; a terminal that is "dumb" is not asked.
+
+    Raises:
+        ConfigError: if there is no such source.
+    """
+    said, where = (named, "--keys") if named else (environment.get(KEYS_VARIABLE), KEYS_VARIABLE)
+    source, _, paths = (said or config.keys).partition(":")
+    for name in get_args(KeysName):
+        if source == name and (not paths or name == "evdev"):
+            known: KeysName = name
+            break
+    else:
+        raise ConfigError(
+            f'{where}: "{said}" is no source of keys; say auto, kitty, plain, evdev, or '
+            "evdev:/dev/input/event3."
+        )
+    if known == "auto" and environment.get("TERM") == "dumb":
+        known = "plain"
+    devices = tuple(paths.split(",")) if paths else config.event_devices
+    return WantedKeys(config.keyboard, known, devices)
+
+
 @cache
-def terminal_keyboard(layout: str) -> Keyboard:
+def terminal_keyboard(wanted: WantedKeys) -> Keyboard:
     """The keyboard of a program that was started in a terminal; one for the whole program."""
+    return Keyboard(program_keys(wanted))
+
+
+def program_keys(wanted: WantedKeys) -> ToldKeys | NoKeys:
+    """Where the keys of a program come from that was started in a terminal."""
     try:
         # Only where there are such terminals.
+        from fraese.x4step.evdev import EvdevKeys, keyboards
         from fraese.x4step.terminal import keys_of
     except ImportError:
-        return Keyboard(NoKeys(sys.stdin))
-    return Keyboard(keys_of(sys.stdin, layout) or NoKeys(sys.stdin))
+        return NoKeys(sys.stdin)
+    if wanted.source != "evdev":
+        return keys_of(sys.stdin, wanted.layout, wanted.source) or NoKeys(sys.stdin)
+    program = keys_of(sys.stdin, wanted.layout) or NoKeys(sys.stdin)
+    found = keyboards(wanted.devices)
+    if not found:
+        complain(
+            f"No keyboard of {' or '.join(wanted.devices) or '/dev/input'} can be read, so keys "
+            "come from the terminal alone; members of the group input may read them."
+        )
+        return program
+    said = ", ".join(str(path) for path, _ in found)
+    return EvdevKeys(
+        [device for _, device in found], program, f"{said}, heard in every window (evdev)"
+    )
 
 
 @cache
@@ -78,7 +145,8 @@ def from_environment(environment: Mapping[str, str] = os.environ) -> Surrounding
     """
     named = environment.get(CONFIG_VARIABLE)
     config = load(Path(named) if named else None)
-    return around(config, terminal_keyboard(config.x4step.keyboard), "paced", environment)
+    keyboard = terminal_keyboard(wanted_keys(config.x4step, environment=environment))
+    return around(config, keyboard, "paced", environment)
 
 
 def around(

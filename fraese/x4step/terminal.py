@@ -1,4 +1,4 @@
-"""Keys from a plain terminal.
+r"""Keys from a terminal: from one that knows kitty's protocol with their releases, else plain.
 
     standing   the terminal is the program's: echo, lines, as it was
     begin      no echo, byte by byte; what was typed before is kept (``ahead``)
@@ -6,26 +6,39 @@
     end        what is left is thrown away, the terminal is as it was
 
 Rule 1: a program in the background leaves the terminal alone.
-Rule 2: Ctrl-C stays what it is.
+Rule 2: Ctrl-C stays what it is; so do Ctrl-Z and Ctrl-\, for which the terminal is given back
+        first.
 Rule 3: what was typed before the start brakes nothing. It is handed back by ``getch`` and ``gets``;
         it is lost for ``input``.
+Rule 4: as long as the terminal is not as it was, it is on the list of what must not stay so
+        (``lifeline``).
 """
 
+import contextlib
 import os
 import select
+import signal
 import termios
 import time
 from collections import deque
 from collections.abc import Callable
 from typing import Any, Final, TextIO
 
-from fraese.x4step.decoder import Decoder, Holding, Key
+from fraese.x4step import lifeline
+from fraese.x4step.decoder import Decoder, Held, Key, Stroke
+from fraese.x4step.kitty import FOCUS_LOST, Kitty, Wanted
 
 _LOCAL: Final = 3
 _CONTROL_CHARACTERS: Final = 6
 _CHUNK: Final = 4096
 #: Between two looks for a key, s.
 _LOOK_S: Final = 0.01
+#: Control characters that are signals.
+_SIGNALS: Final = {
+    termios.VINTR: signal.SIGINT,
+    termios.VQUIT: signal.SIGQUIT,
+    termios.VSUSP: signal.SIGTSTP,
+}
 
 
 class TerminalKeys:
@@ -35,55 +48,85 @@ class TerminalKeys:
         descriptor: of the terminal.
         layout: "us" or "de".
         now_ns: the time.
+        wanted: whether it is asked for kitty's protocol.
 
     Attributes:
         ahead: keys that were typed and not asked for yet.
+        held: keys that are down.
     """
 
     def __init__(
-        self, descriptor: int, layout: str, now_ns: Callable[[], int] = time.monotonic_ns
+        self,
+        descriptor: int,
+        layout: str,
+        now_ns: Callable[[], int] = time.monotonic_ns,
+        wanted: Wanted = "plain",
     ) -> None:
         self._descriptor = descriptor
         self._now_ns = now_ns
         self._decoder = Decoder(layout)
-        self._holding = Holding()
+        self._kitty = Kitty(self._write, wanted, now_ns)
         self._before: list[Any] | None = None
         self._is_gone = False
         self.ahead: deque[Key] = deque()
+        self.held = Held()
+
+    @property
+    def said(self) -> str:
+        """What keys come from, for a person."""
+        if self._kitty.is_known:
+            return "the terminal, which tells releases (kitty keyboard protocol)"
+        return "the terminal, which does not tell releases"
 
     def begin(self) -> None:
         """Axes will move: take the keyboard away from the program."""
-        self._holding.elapsed(self._now_ns())
+        self.held.guess.elapsed(self._now_ns())
         if self._take():
-            self.ahead.extend(self._keys())
+            self._keep(self._read())
             self.ahead.extend(self._decoder.rest())
+            self._decoder.reports.clear()
+            self._kitty.begin()
 
     def codes(self) -> list[int]:
         """Scan codes since the last call, in order; never waits."""
         codes: list[int] = []
+        for stroke in self.strokes():
+            codes += self.held.codes(stroke, self._now_ns())
+        if FOCUS_LOST in self._decoder.reports:
+            codes += self.held.all_up()
+        self._decoder.reports.clear()
         if self._before is not None:
-            for key in self._keys():
-                if key.code:
-                    codes += self._holding.press(key.code, self._now_ns())
-            codes += self._holding.elapsed(self._now_ns())
+            codes += self.held.guess.elapsed(self._now_ns())
         return codes
+
+    def strokes(self) -> list[Stroke]:
+        """What happened to keys since the last call; never waits."""
+        if self._before is None:
+            return []
+        strokes = self._read()
+        self._kitty.settled()
+        for stroke in strokes:
+            if stroke.phase == "press":
+                self._signal(stroke.key.text)
+        return strokes
 
     def end(self) -> None:
         """They stand: give it back, without what was typed meanwhile."""
         if self._before is not None:
+            self._settle()
             termios.tcflush(self._descriptor, termios.TCIFLUSH)
             self._decoder = self._decoder.anew()
         self._give_back()
 
     def close(self) -> None:
         """As it was before the first ``begin``."""
-        self._give_back()
+        self.end()
 
     def kbhit(self) -> bool:
         """A key waits."""
         if not self.ahead and self._take():
             try:
-                self.ahead.extend(self._keys())
+                self._keep(self._read())
             finally:
                 self._give_back()
         return bool(self.ahead)
@@ -96,15 +139,17 @@ class TerminalKeys:
         """
         if not self.ahead and self._take():
             try:
+                self._kitty.begin()
                 while not self.ahead and not self._is_gone:
                     select.select([self._descriptor], [], [], _LOOK_S)
-                    self.ahead.extend(self._keys())
+                    self._keep(self.strokes())
             finally:
+                self._keep(self._settle())
                 self._give_back()
         if not self.ahead:
             raise EOFError
         key = self.ahead.popleft()
-        self._holding.press(key.code, self._now_ns())
+        self.held.guess.press(key.code, self._now_ns())
         return key
 
     def skip(self, code: int) -> bool:
@@ -122,10 +167,16 @@ class TerminalKeys:
             line += "" if text.startswith("\0") else text.replace("\r", "\n")
         return line
 
+    def _keep(self, strokes: list[Stroke]) -> None:
+        """They are the program's."""
+        went_down = (stroke.key for stroke in strokes if stroke.phase != "release")
+        self.ahead.extend(key for key in went_down if key.text)
+
     def _take(self) -> bool:
         """Byte by byte, without echo; False: the terminal is not ours."""
         if self._before is None and self._is_ours():
             self._before = termios.tcgetattr(self._descriptor)
+            lifeline.hold(self)
             mine = termios.tcgetattr(self._descriptor)
             mine[_LOCAL] &= ~(termios.ICANON | termios.ECHO)
             mine[_CONTROL_CHARACTERS][termios.VMIN] = 0
@@ -133,10 +184,41 @@ class TerminalKeys:
             termios.tcsetattr(self._descriptor, termios.TCSANOW, mine)
         return self._before is not None
 
+    def _settle(self) -> list[Stroke]:
+        """Plain again; what was typed until then."""
+        strokes: list[Stroke] = []
+        self._kitty.end()
+        while not self._kitty.settled() and not self._is_gone:
+            select.select([self._descriptor], [], [], _LOOK_S)
+            strokes += self._read()
+        self.held.forget()
+        return strokes
+
     def _give_back(self) -> None:
         before, self._before = self._before, None
-        if before is not None and self._is_ours():
-            termios.tcsetattr(self._descriptor, termios.TCSANOW, before)
+        if before is not None:
+            if self._is_ours():
+                termios.tcsetattr(self._descriptor, termios.TCSANOW, before)
+            lifeline.let_go(self)
+
+    def _signal(self, char: str) -> None:
+        """What the terminal itself would have done for this character."""
+        before = self._before
+        if before is None or not char or not before[_LOCAL] & termios.ISIG:
+            return
+        for place, number in _SIGNALS.items():
+            if before[_CONTROL_CHARACTERS][place] == char.encode():
+                self._send(number)
+
+    def _send(self, number: signal.Signals) -> None:
+        if number is signal.SIGINT:
+            os.killpg(os.getpgrp(), number)
+            return
+        self._settle()
+        self._give_back()
+        os.killpg(os.getpgrp(), number)
+        if self._take():
+            self._kitty.begin()
 
     def _is_ours(self) -> bool:
         try:
@@ -144,7 +226,12 @@ class TerminalKeys:
         except OSError:
             return False
 
-    def _keys(self) -> list[Key]:
+    def _write(self, data: bytes) -> None:
+        if self._is_ours():
+            with contextlib.suppress(OSError):
+                os.write(self._descriptor, data)
+
+    def _read(self) -> list[Stroke]:
         data = b""
         try:
             while select.select([self._descriptor], [], [], 0)[0]:
@@ -155,12 +242,19 @@ class TerminalKeys:
                     break
         except OSError:
             self._is_gone = True
-        return self._decoder.take(data, self._now_ns())
+        self._decoder.tells_releases = self._kitty.is_on
+        strokes = self._decoder.strokes(data, self._now_ns())
+        for report in self._decoder.reports:
+            self._kitty.heard(report)
+        self._decoder.reports = [r for r in self._decoder.reports if r == FOCUS_LOST]
+        return strokes
 
 
-def keys_of(stream: TextIO, layout: str) -> TerminalKeys | None:
+def keys_of(stream: TextIO, layout: str, wanted: Wanted = "plain") -> TerminalKeys | None:
     """The terminal that a stream reads from; None: it is none."""
     try:
-        return TerminalKeys(stream.fileno(), layout) if stream.isatty() else None
+        if not stream.isatty():
+            return None
+        return TerminalKeys(stream.fileno(), layout, wanted=wanted)
     except (OSError, ValueError):
         return None

@@ -1,0 +1,89 @@
+"""A terminal that knows kitty's keyboard protocol: what it sends for keys, and how it answers.
+
+Encoded as https://sw.kovidgoyal.net/kitty/keyboard-protocol/ describes it: functional keys by their
+table, event types left out for a press without modifiers, the place after two colons.
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+from fraese.x4step.keyboard import MAKE_CODES
+
+PRESS, REPEAT, RELEASE = 1, 2, 3
+_QUERY: Final = re.compile(rb"\x1b\[(\?u|c|>\d*u|<\d*u|\?1004[hl])")
+
+#: Final character and number of keys, by their names here.
+FUNCTIONAL: Final[Mapping[str, tuple[int, str]]] = {
+    "ESC": (27, "u"), "ENTER": (13, "u"), "TAB": (9, "u"), "BACKSPACE": (127, "u"),
+    "INSERT": (2, "~"), "DELETE": (3, "~"), "LEFT": (1, "D"), "RIGHT": (1, "C"), "UP": (1, "A"),
+    "DOWN": (1, "B"), "PAGEUP": (5, "~"), "PAGEDOWN": (6, "~"), "HOME": (1, "H"), "END": (1, "F"),
+    "CAPSLOCK": (57358, "u"), "SCROLLLOCK": (57359, "u"), "NUMLOCK": (57360, "u"),
+    "F1": (1, "P"), "F2": (1, "Q"), "F3": (13, "~"), "F4": (1, "S"), "F5": (15, "~"),
+    "F6": (17, "~"), "F7": (18, "~"), "F8": (19, "~"), "F9": (20, "~"), "F10": (21, "~"),
+    "F11": (23, "~"), "F12": (24, "~"), "KP5": (1, "E"), "KP*": (57411, "u"),
+    "KP-": (57412, "u"), "KP+": (57413, "u"), "SHIFT": (57441, "u"), "CTRL": (57442, "u"),
+    "ALT": (57443, "u"), "RIGHTSHIFT": (57447, "u"), "SPACE": (32, "u"), "102ND": (60, "u"),
+}  # fmt: skip
+#: Every key that a terminal sends: all but SysRq.
+KEYS: Final = tuple(name for name in MAKE_CODES if name != "SYSREQ")
+
+
+def encoded(
+    name: str, event: int = PRESS, modifiers: int = 0, *, place: str = "", text: str = ""
+) -> bytes:
+    """What is sent for a key.
+
+    Args:
+        name: of the key; a character for the others.
+        event: press, repeat or release.
+        modifiers: bits of the protocol.
+        place: the key there on a keyboard of the United States, if it is another.
+        text: that it types.
+    """
+    number, final = FUNCTIONAL.get(name, (ord(name[0].lower()), "u"))
+    key = f"{number}" + (f"::{ord(place)}" if place else "")
+    middle = ""
+    if modifiers or event != PRESS:
+        middle = f"{1 + modifiers}" + (f":{event}" if event != PRESS else "")
+    fields = [key, middle, ":".join(str(ord(char)) for char in text)]
+    while fields and not fields[-1]:
+        fields.pop()
+    if final not in "u~" and fields == ["1"]:
+        fields = []
+    return f"\x1b[{';'.join(fields)}{final}".encode()
+
+
+@dataclass
+class KittyTerminal:
+    """Answers what a program asks, and remembers what it was told.
+
+    Attributes:
+        knows: it knows the protocol.
+        flags: the stack of flags.
+        focus: it tells when the focus changes.
+    """
+
+    knows: bool = True
+    flags: list[int] = field(default_factory=list)
+    focus: bool = False
+
+    def answer(self, output: bytes) -> bytes:
+        """What it sends back for what a program wrote."""
+        back = b""
+        for match in _QUERY.finditer(output):
+            asked = match.group(1)
+            if asked == b"c":
+                back += b"\x1b[?62;4c"
+            elif asked.startswith(b"?1004"):
+                self.focus = asked.endswith(b"h")
+            elif not self.knows:
+                continue
+            elif asked == b"?u":
+                back += b"\x1b[?%du" % (self.flags[-1] if self.flags else 0)
+            elif asked.startswith(b">"):
+                self.flags.append(int(asked[1:-1] or 0))
+            else:
+                del self.flags[-int(asked[1:-1] or 1) :]
+        return back
