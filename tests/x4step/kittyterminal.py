@@ -4,13 +4,21 @@ Encoded as https://sw.kovidgoyal.net/kitty/keyboard-protocol/ describes it: func
 table, event types left out for a press without modifiers, the place after two colons.
 """
 
+import os
+import pty
 import re
+import select
+import sys
+import textwrap
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Final
 
 from fraese.x4step.keyboard import MAKE_CODES
 
+ROOT = Path(__file__).parents[2]
 PRESS, REPEAT, RELEASE = 1, 2, 3
 _QUERY: Final = re.compile(rb"\x1b\[(\?u|c|>\d*u|<\d*u|\?1004[hl])")
 
@@ -87,3 +95,59 @@ class KittyTerminal:
             else:
                 del self.flags[-int(asked[1:-1] or 1) :]
         return back
+
+
+@dataclass
+class Screen:
+    """A program that has such a terminal of its own."""
+
+    terminal: KittyTerminal = field(default_factory=KittyTerminal)
+    seen: str = ""
+    mark: int = 0
+
+    def start(self, program: str, *arguments: str) -> None:
+        """A Python program; without its text a command of fraese."""
+        code = ["-c", textwrap.dedent(program)] if program else ["-m", "fraese", *arguments]
+        surroundings = {"PYTHONPATH": str(ROOT), "XDG_CONFIG_HOME": "/no"}
+        self.start_program([sys.executable, *code], {**os.environ, **surroundings})
+
+    def start_program(self, command: list[str], environment: Mapping[str, str]) -> None:
+        """Any program."""
+        self.child, self.master = pty.fork()
+        if self.child == 0:
+            os.execve(command[0], command, {**environment, "TERM": "xterm-kitty"})
+
+    def until(self, word: str) -> None:
+        """It is seen."""
+        until_s = time.monotonic() + 30
+        while word not in self.seen[self.mark :]:
+            assert select.select([self.master], [], [], until_s - time.monotonic())[0], self.seen
+            self.read()
+        self.mark = self.seen.index(word, self.mark) + len(word)
+
+    def until_flags(self, flags: list[int]) -> None:
+        """The terminal was told so."""
+        until_s = time.monotonic() + 30
+        while self.terminal.flags != flags:
+            assert select.select([self.master], [], [], until_s - time.monotonic())[0], self.seen
+            self.read()
+
+    def read(self) -> bool:
+        try:
+            output = os.read(self.master, 4096)
+        except OSError:
+            return False
+        self.seen += output.decode()
+        if back := self.terminal.answer(output):
+            os.write(self.master, back)
+        return bool(output)
+
+    def type(self, data: bytes) -> None:
+        os.write(self.master, data)
+
+    def end(self) -> int:
+        """It ends by itself; its status."""
+        while self.read():
+            pass
+        self.seen = self.seen.replace("\r\n", "\n")
+        return os.waitstatus_to_exitcode(os.waitpid(self.child, 0)[1])

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from fraese.x4step.server import CALLS
+from tests.x4step.kittyterminal import RELEASE, Screen, encoded
 from tests.x4step.test_codes import CODES, FUNCTIONS, OTHERS
 
 if shutil.which("gcc") is None:
@@ -266,3 +267,42 @@ def test_answers_reach_the_program(tmp_path: Path) -> None:
     )  # fmt: skip
     assert [int(word) for word in done.stdout.split()] == list(ANSWERS.values())
     assert done.returncode == 0
+
+
+_WATCHES = """
+#include <dos.h>
+#include <stdio.h>
+#include "x4step.h"
+main()
+{
+    char codes[2];
+    int last = 0, now;
+    X4Init(2);
+    codes[0] = (char) 205; codes[1] = 0;
+    X4BrakeCodes(codes);
+    X4MovePos(1, 1000, 50);
+    printf("moving\\n"); fflush(stdout);
+    while (X4GetState())
+        if ((now = inp(0x60)) != last) { printf("port %d\\n", last = now); fflush(stdout); }
+    printf("braked by %d\\n", X4LastBrakeCode());
+    X4ReInit();
+}
+"""
+
+
+def test_port_60h_reads_releases_where_the_terminal_tells_them(tmp_path: Path) -> None:
+    (tmp_path / "watches.c").write_text(_WATCHES, encoding="ascii")
+    program = compiled(tmp_path, tmp_path / "watches.c")
+    screen = Screen()
+    screen.start_program([str(program)], environment(tmp_path, "paced"))
+    screen.until("moving")
+    screen.until_flags([31])
+    screen.type(encoded("a", text="a"))
+    screen.until("port 30\r\n")
+    screen.type(encoded("a", RELEASE))
+    screen.until("port 158\r\n")
+    screen.type(encoded("RIGHT") + encoded("RIGHT", RELEASE))
+    screen.until("braked by 205")
+    screen.end()
+    assert screen.terminal.flags == []
+    assert Trace(tmp_path).all_low

@@ -1,15 +1,9 @@
 """Kitty's keyboard protocol: what terminals send, and a program in such a terminal."""
 
 import os
-import pty
-import select
 import signal
-import sys
-import termios
-import textwrap
 import time
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Final
 
 import pytest
@@ -26,11 +20,11 @@ from tests.x4step.kittyterminal import (
     RELEASE,
     REPEAT,
     KittyTerminal,
+    Screen,
     encoded,
 )
 
 MS: Final = 1_000_000
-ROOT = Path(__file__).parents[2]
 PHASES: Final = {PRESS: "press", REPEAT: "repeat", RELEASE: "release"}
 
 
@@ -287,58 +281,6 @@ def test_what_is_wanted_is_not_asked() -> None:
 # --- a program in such a terminal -----------------------------------------------------------------
 
 
-@dataclass
-class Screen:
-    """A program that has such a terminal of its own."""
-
-    terminal: KittyTerminal = field(default_factory=KittyTerminal)
-    seen: str = ""
-    mark: int = 0
-
-    def start(self, program: str, *arguments: str) -> None:
-        self.child, self.master = pty.fork()
-        if self.child == 0:
-            os.environ |= {"PYTHONPATH": str(ROOT), "TERM": "xterm-kitty", "XDG_CONFIG_HOME": "/no"}
-            code = ["-c", textwrap.dedent(program)] if program else ["-m", "fraese", *arguments]
-            os.execv(sys.executable, [sys.executable, *code])
-        self.before = termios.tcgetattr(self.master)
-
-    def until(self, word: str) -> None:
-        """It is seen."""
-        until_s = time.monotonic() + 30
-        while word not in self.seen[self.mark :]:
-            assert select.select([self.master], [], [], until_s - time.monotonic())[0], self.seen
-            self.read()
-        self.mark = self.seen.index(word, self.mark) + len(word)
-
-    def until_flags(self, flags: list[int]) -> None:
-        """The terminal was told so."""
-        until_s = time.monotonic() + 30
-        while self.terminal.flags != flags:
-            assert select.select([self.master], [], [], until_s - time.monotonic())[0], self.seen
-            self.read()
-
-    def read(self) -> bool:
-        try:
-            output = os.read(self.master, 4096)
-        except OSError:
-            return False
-        self.seen += output.decode()
-        if back := self.terminal.answer(output):
-            os.write(self.master, back)
-        return bool(output)
-
-    def type(self, data: bytes) -> None:
-        os.write(self.master, data)
-
-    def end(self) -> int:
-        """It ends by itself; its status."""
-        while self.read():
-            pass
-        self.seen = self.seen.replace("\r\n", "\n")
-        return os.waitstatus_to_exitcode(os.waitpid(self.child, 0)[1])
-
-
 MOVING = """
     from fraese.x4step import *
     X4Init(2)
@@ -427,6 +369,23 @@ def test_ctrl_c_stays_what_it_is_and_an_exception_gives_the_terminal_back() -> N
 
 
 @pytest.mark.alone
+def test_ctrl_z_gives_the_terminal_back_and_takes_it_again() -> None:
+    """Nobody is there to stop it for: it goes on at once."""
+    screen = Screen()
+    screen.start(MOVING.replace("CODE", "0"))
+    screen.until("moving")
+    screen.until_flags([31])
+    screen.type(encoded("z", modifiers=4))
+    screen.until(POP.decode())
+    screen.until(PUSH.decode())
+    screen.type(encoded("ESC"))
+    screen.until("code 1\r\n")
+    assert screen.terminal.flags == []
+    screen.type(b"\n")
+    assert screen.end() == 0
+
+
+@pytest.mark.alone
 def test_getch_gives_characters_and_places() -> None:
     screen = Screen()
     screen.start("""
@@ -440,7 +399,6 @@ def test_getch_gives_characters_and_places() -> None:
     screen.until_flags([31])
     screen.type(encoded("SHIFT", modifiers=1) + encoded("z", modifiers=1, place="y", text="Z"))
     screen.until("'Z' 21")
-    screen.until_flags([])
     screen.until_flags([31])
     screen.type(encoded("LEFT"))
     screen.until(r"'\x00' 75")
@@ -477,3 +435,28 @@ def test_scancodes_in_a_terminal_that_does_not_know_it() -> None:
     screen.type(b"\x1b")
     assert screen.end() == 0
     assert PUSH.decode() not in screen.seen
+
+
+@pytest.mark.alone
+def test_hold_to_move_in_the_test_program() -> None:
+    """Held for a second without repeats, then let go; then ESC."""
+    screen = Screen()
+    screen.start("", "bench")
+    for word, line in (("1->", b"f1000\n"), ("1->", b"r10\n"), ("1->", b"c\n")):
+        screen.until(word)
+        screen.type(line)
+    screen.until("ESC ends it.")
+    screen.type(b"\x1b[C")
+    screen.until_flags([31])
+    for _ in range(20):
+        screen.type(encoded("RIGHT", REPEAT))
+        time.sleep(0.05)
+    screen.type(encoded("RIGHT", RELEASE))
+    screen.until("Steps of axes 1 to 4: ")
+    screen.until("\n")
+    steps = int(screen.seen[: screen.mark].rsplit("4: ", 1)[1].split(",")[0])
+    assert 900 < steps < 1600
+    screen.type(b"\x1b")
+    screen.until("1->")
+    screen.type(b"q\n")
+    assert screen.end() == 0
