@@ -82,7 +82,8 @@ MUTANTS: Final = (
         _M + "ticks.py",
         "governor.awaited_cycles = cycles",
         "governor.awaited_cycles = 0",
-        tests_of("motor/test_throttle.py", "TestBudgets::test_an_interval_longer_than_the_budget"),
+        tests_of("motor/test_throttle.py", "TestBudgets::test_any_budget"),
+        limit_s=60,
     ),
     Mutant(
         "motor/governor: a brake at the end of the queue is forgotten",
