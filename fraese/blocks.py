@@ -29,6 +29,8 @@ from typing import Final, NamedTuple
 
 CYCLES_PER_S: Final = 16_000_000
 Q8: Final = 256
+#: Lowest and highest feed override, factors.
+OVERRIDES: Final = (0.1, 2.0)
 
 #: ``rate_q8 == RATE_Q8_CYCLES // interval_cycles``; fits 32 bits without sign.
 RATE_Q8_CYCLES: Final = CYCLES_PER_S * Q8

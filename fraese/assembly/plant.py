@@ -1,4 +1,4 @@
-"""Putting a machine together: the one place that knows every peer by name.
+"""Putting a machine together: here the peers behind each seam are known by name.
 
 Drivers with their ports and clocks have their table in ``drivers.py``, cards in ``cards.py``,
 the simulated mill its own in ``simulation.py``.

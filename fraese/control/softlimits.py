@@ -10,6 +10,7 @@ Rule 3: nobody knows where an unreferenced axis is: no single move is longer tha
 import math
 from collections.abc import Iterable, Sequence
 
+from fraese.blocks import OVERRIDES
 from fraese.control.position import Position
 from fraese.errors import LimitError
 from fraese.machine import Axis, Machine, Steps
@@ -189,7 +190,10 @@ def require_override(factor: float) -> None:
     """See that a feed override is one.
 
     Raises:
-        LimitError: if it is outside 10 to 200 %.
+        LimitError: if it is outside ``OVERRIDES``.
     """
-    if not 0.1 <= factor <= 2:
-        raise LimitError(f"A feed override is 10 to 200 %, not {factor * 100:g} %.")
+    low, high = OVERRIDES
+    if not low <= factor <= high:
+        raise LimitError(
+            f"A feed override is {low * 100:g} to {high * 100:g} %, not {factor * 100:g} %."
+        )

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from enum import Enum
 
+from fraese.blocks import OVERRIDES as OVERRIDES
 from fraese.workframe import SYSTEMS, WorkFrame
 
 

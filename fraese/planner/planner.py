@@ -16,7 +16,7 @@ Rule 4: memory does not grow with the length of the program, nor with that of an
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
-from fraese.blocks import Q8, Block, Outputs, Watch, dwell
+from fraese.blocks import OVERRIDES, Q8, Block, Outputs, Watch, dwell
 from fraese.machine import Machine, Steps
 from fraese.planner.arcs import Point, arc_shape, planes_of
 from fraese.planner.lookahead import Window
@@ -299,8 +299,8 @@ class Planner:
         Raises:
             ValueError: if it is outside.
         """
-        if not 0.1 <= factor <= 2:
-            raise ValueError("a feed override is 10 to 200 %")
+        if not OVERRIDES[0] <= factor <= OVERRIDES[1]:
+            raise ValueError("a feed override is {:g} to {:g}".format(*OVERRIDES))
         self._override = self._targets.override = factor
         self._maker.override_q8 = round(factor * Q8)
         self._window.set_override(factor)

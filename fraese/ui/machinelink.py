@@ -15,14 +15,12 @@ from collections.abc import Callable, Mapping, Sequence
 from textual.message import Message
 
 from fraese.control.controller import Controller
-from fraese.control.state import MachineState, Status
+from fraese.control.state import OVERRIDES, MachineState, Status
 from fraese.control.worker import Command, Worker
 from fraese.ui.feed import StateFeed
 from fraese.ui.jogging import Jog, Jogger
 from fraese.ui.messages import Alarmed, Noted, Refused, StateChanged
 from fraese.ui.shape import shape_of
-
-_OVERRIDE_PERCENT = (10, 200)
 
 
 class MachineLink:
@@ -127,9 +125,9 @@ class MachineLink:
 
     def override(self, by_percent: int) -> None:
         """Feed override up or down, or (0) as programmed."""
-        low, high = _OVERRIDE_PERCENT
         percent = round(self._controller.override * 100) + by_percent if by_percent else 100
-        self._controller.set_override(min(max(percent, low), high) / 100)
+        low, high = OVERRIDES
+        self._controller.set_override(min(max(percent / 100, low), high))
 
     def answer(self) -> None:
         """What the job asks for has been done."""

@@ -36,7 +36,7 @@ class SmcCard:
     """SMC800/SMC1500 without its add-on board: phase currents, one motor a write.
 
     Args:
-        table: drive table, one entry a half-step, of any length.
+        table: drive table, one entry a step, of any length.
         holding_percent: current at ``IdleLevel.HOLD``; 0 means off.
         levels: level map, a row of ``LEVEL_MAPS``; only used to derive the holding table.
         outputs: free outputs on pins 14, 16 and 17; pin 1 is the strobe.
