@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fraese.assembly import Plant
-from fraese.cli import bench, bridge, doctor, files, motion, ports, scancodes, x4step
+from fraese.cli import bench, bridge, doctor, files, motion, ports, scancodes, trace, x4step
 from fraese.cli.session import note
 from fraese.cli.shared import ConfigOption, Drive, FreshOption, StateOption, TraceOption, leave
 from fraese.errors import UsageError
@@ -34,6 +34,7 @@ app.add_typer(doctor.app)
 app.add_typer(bench.app)
 app.add_typer(x4step.app)
 app.add_typer(scancodes.app)
+app.add_typer(trace.app)
 
 
 @app.callback(invoke_without_command=True)

@@ -1,0 +1,295 @@
+"""Waveforms in the terminal: a stretch drawn, its figures, and a picture of it."""
+
+import fnmatch
+import json
+import shutil
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from fraese.cli.session import note
+from fraese.cli.shared import JsonOption, leave
+from fraese.errors import TraceError, UsageError
+
+if TYPE_CHECKING:
+    from fraese.waves.stretch import Seen, Stretch
+    from fraese.waves.vcdfile import VcdFile
+
+app = typer.Typer()
+
+_PLAIN_WIDTH: Final = 80
+_SPAN: Final = "2ms"
+
+FromOption = Annotated[
+    str, typer.Option("--from", metavar="TIME", help="Begin here, as in 1.5s, 20ms, 300us.")
+]
+ToOption = Annotated[str, typer.Option("--to", metavar="TIME", help="End here.")]
+AroundOption = Annotated[
+    str,
+    typer.Option(
+        "--around",
+        metavar="TIME|LINE[:N]",
+        help="In the middle: a time, or the N-th edge of a line, by its name or a part of it.",
+    ),
+]
+SpanOption = Annotated[
+    str, typer.Option("--span", metavar="TIME", help="How much to show with --around.")
+]
+LinesOption = Annotated[
+    list[str] | None,
+    typer.Option("--line", metavar="NAME", help="Only lines with this in their names; repeatable."),
+]
+PairOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--pair",
+        metavar="DIR:CLOCK",
+        help="Measure set-up between these lines; by default, those whose names tell. Repeatable.",
+    ),
+]
+SvgOption = Annotated[
+    Path | None, typer.Option("--svg", metavar="FILE", help="Also draw the stretch into this file.")
+]
+
+
+@app.command()
+def trace(
+    file: Annotated[Path, typer.Argument(metavar="FILE.vcd", help="Waveform of any program.")],
+    start: FromOption = "",
+    end: ToOption = "",
+    around: AroundOption = "",
+    span: SpanOption = _SPAN,
+    lines: LinesOption = None,
+    pairs: PairOption = None,
+    svg: SvgOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Look at a waveform: draw a stretch, and print figures of every line."""
+
+    def go() -> int:
+        # Numbers take a tenth of a second to import; other commands do not pay for it.
+        from fraese.waves.stretch import Stretch
+        from fraese.waves.svg import WIDTH_PX
+        from fraese.waves.vcdfile import VcdFile
+
+        waveform = VcdFile(file)
+        first, last = _ends(waveform, start, end, around, span)
+        chosen, width = _chosen(waveform, lines or []), _width()
+        label = _label(waveform, chosen, width)
+        named = [_pair(words) for words in pairs or []]
+        if svg is not None:
+            wide = Stretch(waveform, first, last, WIDTH_PX, named)
+            _write_svg(svg, wide, [wide.seen[number] for number in chosen])
+        stretch = Stretch(waveform, first, last, max(1, width - label - 1), named)
+        shown = [stretch.seen[number] for number in chosen]
+        if as_json:
+            print(json.dumps(_as_dict(stretch, shown)))
+        else:
+            _show(stretch, shown, label, width)
+        return 0
+
+    leave(go, as_json)
+
+
+# --- which stretch -------------------------------------------------------------------------------
+
+
+def _ends(file: "VcdFile", start: str, end: str, around: str, span: str) -> tuple[int, int]:
+    """First and last moment, in units of the file.
+
+    Raises:
+        UsageError: if there is no such stretch.
+    """
+    from fraese.waves import times
+
+    def units(text: str, option: str) -> int:
+        return round(times.seconds(text, option) / file.unit_s)
+
+    if around:
+        if start or end:
+            raise UsageError("Either --from and --to, or --around with --span.")
+        half = max(1, units(span, "--span") // 2)
+        middle = _middle(file, around)
+        first, last = middle - half, middle + half
+    else:
+        first = units(start, "--from") if start else file.begin
+        last = units(end, "--to") if end else file.end
+        if start and first > file.end:
+            raise UsageError(
+                f"--from {start} is after the end of {file.path},"
+                f" {times.moment(file.end * file.unit_s)}."
+            )
+        if last <= first and (start or end):
+            raise UsageError("--to comes before --from: nothing lies between them.")
+    return max(0, first), max(last, first + 1, 1)
+
+
+def _middle(file: "VcdFile", around: str) -> int:
+    """A time, or an edge of a line."""
+    from fraese.waves import times
+    from fraese.waves.stretch import number_of
+
+    if around[:1].isdigit() or around[:1] == ".":
+        middle = round(times.seconds(around, "--around") / file.unit_s)
+        if middle > file.end:
+            raise UsageError(
+                f"--around {around} is after the end of {file.path},"
+                f" {times.moment(file.end * file.unit_s)}."
+            )
+        return middle
+    name, colon, words = around.rpartition(":")
+    name, words = (name, words) if colon and words.isdigit() else (around, "1")
+    number, wanted = number_of(file, name), max(1, int(words))
+    left = wanted
+    for piece in file.pieces(file.begin, file.end, file.levels(file.begin)):
+        at = piece[number].at if number in piece else ()
+        if len(at) >= left:
+            return int(at[left - 1])
+        left -= len(at)
+    raise UsageError(f"{file.lines[number].name} has {wanted - left} edges, not {wanted}.")
+
+
+def _chosen(file: "VcdFile", wanted: list[str]) -> list[int]:
+    """Numbers of the lines that are wanted.
+
+    Raises:
+        UsageError: if one of the names fits none.
+    """
+    from fraese.waves.stretch import number_of
+
+    if not wanted:
+        return list(range(len(file.lines)))
+    found: dict[int, None] = {}
+    for word in wanted:
+        pattern = f"*{word.lower()}*"
+        fits = [n for n, x in enumerate(file.lines) if fnmatch.fnmatch(x.name.lower(), pattern)]
+        found |= dict.fromkeys(fits or [number_of(file, word)])
+    return list(found)
+
+
+def _pair(words: str) -> tuple[str, str]:
+    direction, colon, clock = words.partition(":")
+    if not (direction and colon and clock):
+        raise UsageError(f'--pair "{words}": two lines, as in --pair x_dir:x_step.')
+    return direction, clock
+
+
+# --- shown ---------------------------------------------------------------------------------------
+
+
+def _width() -> int:
+    return shutil.get_terminal_size((_PLAIN_WIDTH, 24)).columns if sys.stdout.isatty() else 80
+
+
+def _label(file: "VcdFile", chosen: list[int], width: int) -> int:
+    from fraese.waves.drawing import label_width
+
+    return label_width([file.lines[number].name for number in chosen], width)
+
+
+def _show(stretch: "Stretch", shown: "list[Seen]", label: int, width: int) -> None:
+    from fraese.waves import drawing, times
+
+    glyphs = drawing.FINE if _can_print("".join(drawing.FINE)) else drawing.PLAIN
+    unit_s = stretch.file.unit_s
+    print(
+        f"{stretch.file.path}: {times.moment(stretch.start * unit_s)} to"
+        f" {times.moment(stretch.end * unit_s)};"
+        f" a column is {times.length(stretch.span_s / stretch.width)}"
+    )
+    moving = [seen for seen in shown if not seen.is_still]
+    for seen in moving:
+        name, drawn = drawing.row(seen, glyphs, label)
+        print(f"{_styled(name, bold=True)} {_styled(drawn, fg='green')}")
+    for line in drawing.axis(stretch):
+        print(_styled(f"{'':{label}} {line}", dim=True))
+    print()
+    for line in (*drawing.tables(stretch, moving, label, width), *drawing.set_ups(stretch)):
+        print(line)
+    for line in drawing.still(stretch, shown):
+        print(_styled(line, dim=True))
+
+
+def _styled(text: str, **style: Any) -> str:
+    return typer.style(text, **style) if sys.stdout.isatty() else text
+
+
+def _can_print(text: str) -> bool:
+    try:
+        text.encode(sys.stdout.encoding or "ascii")
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _write_svg(path: Path, stretch: "Stretch", shown: "list[Seen]") -> None:
+    from fraese.waves.svg import picture
+
+    try:
+        if path.is_file() and path.read_bytes()[:1] not in (b"", b"<"):
+            raise TraceError(f"{path} is there and is no picture; it is not overwritten.")
+        moving = [seen for seen in shown if not seen.is_still]
+        path.write_text(picture(stretch, moving or shown), encoding="utf-8")
+    except OSError as error:
+        raise TraceError(f"{path}: the picture cannot be written: {error.strerror}.") from error
+    note(f"{path}: picture of the stretch.")
+
+
+# --- for programs --------------------------------------------------------------------------------
+
+
+def _as_dict(stretch: "Stretch", shown: "list[Seen]") -> dict[str, Any]:
+    file = stretch.file
+    return {
+        "file": str(file.path),
+        "from_s": file.seconds(stretch.start),
+        "to_s": file.seconds(stretch.end),
+        "lines": {seen.line.name: _line_as_dict(seen, file) for seen in shown},
+        "set_ups": [
+            {
+                "direction": file.lines[s.direction].name,
+                "clock": file.lines[s.clock].name,
+                "count": s.shortest.count,
+                "shortest_s": _scaled(s.shortest.length, file),
+                "at_s": _scaled(s.shortest.at if s.shortest.count else None, file),
+            }
+            for s in stretch.set_ups
+        ],
+    }
+
+
+def _line_as_dict(seen: "Seen", file: "VcdFile") -> dict[str, Any]:
+    from fraese.waves.drawing import fastest_hz, mean_hz
+    from fraese.waves.figures import QuantityFigures
+
+    figures = seen.figures
+    if isinstance(figures, QuantityFigures):
+        return {
+            "changes": figures.changes,
+            "least": _known(figures.least),
+            "most": _known(figures.most),
+        }
+    return {
+        "level": _known(seen.columns.level),
+        "edges": figures.edges,
+        "rising": figures.rising,
+        "rate_hz": mean_hz(figures, file.unit_s),
+        "fastest_hz": fastest_hz(figures, file.unit_s),
+        "duty": figures.duty,
+        "shortest_high_s": _scaled(figures.high.length, file),
+        "shortest_high_at_s": _scaled(figures.high.at if figures.high.count else None, file),
+        "shortest_low_s": _scaled(figures.low.length, file),
+        "shortest_low_at_s": _scaled(figures.low.at if figures.low.count else None, file),
+        "first_edge_s": _scaled(figures.first_edge, file),
+        "last_edge_s": _scaled(figures.last_edge, file),
+    }
+
+
+def _scaled(units: int | None, file: "VcdFile") -> float | None:
+    return None if units is None else file.seconds(units)
+
+
+def _known(value: float) -> float | None:
+    return value if value == value else None
