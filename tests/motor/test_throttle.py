@@ -121,6 +121,24 @@ class TestBrake:
         assert max(b - a for a, b in itertools.pairwise(rates_hz)) < 1
         assert len(rates_hz) < 400
 
+    @pytest.mark.parametrize("tick", [1500, 1620, 1690])
+    def test_braking_in_a_ramp_of_the_plan_goes_on_over_a_junction(self, tick: int) -> None:
+        """The first block slows down to its end, where the second one begins to speed up."""
+        bench = Workbench()
+        bench.run_until_tick(tick, line(1700, exit_hz=3000), line(3000, entry_hz=3000))
+        mark = bench.mark()
+        bench.core.brake()
+        report = bench.run()
+        assert report.held
+        assert report.playing == 2
+        rates_hz = gaps_hz(bench, mark)
+        slowest_hz = itertools.accumulate(rates_hz, min)
+        assert (
+            max(hz - so_far_hz for hz, so_far_hz in zip(rates_hz, slowest_hz, strict=True))
+            < 2 * SLICE_HZ
+        )
+        assert min(b - a for a, b in itertools.pairwise(rates_hz)) > -2 * SLICE_HZ
+
     def test_path_speed_stays_what_it_is_where_the_leader_changes(self) -> None:
         """The second line is twice as long a tick: half the rate is the same speed."""
         bench = Workbench()
