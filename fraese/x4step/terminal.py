@@ -5,7 +5,7 @@ r"""Keys from a terminal: from one that knows kitty's protocol with their releas
     moving     every byte is a key; none reaches the program
     end        what is left is thrown away, the terminal is as it was
 
-Rule 1: a program in the background leaves the terminal alone.
+Rule 1: a program in the background leaves the terminal alone; so does one whose terminal is gone.
 Rule 2: Ctrl-C stays what it is; so do Ctrl-Z and Ctrl-\, for which the terminal is given back
         first.
 Rule 3: what was typed before the start brakes nothing. It is handed back by ``getch`` and ``gets``;
@@ -90,6 +90,9 @@ class TerminalKeys:
     def codes(self) -> list[int]:
         """Scan codes since the last call, in order; never waits."""
         codes: list[int] = []
+        if self._before is not None and not self._is_ours():
+            # In the background, where reading stops a program, or gone: nobody holds a key there.
+            return self.held.all_up()
         for stroke in self.strokes():
             codes += self.held.codes(stroke, self._now_ns())
         if FOCUS_LOST in self._decoder.reports:
@@ -114,7 +117,8 @@ class TerminalKeys:
         """They stand: give it back, without what was typed meanwhile."""
         if self._before is not None:
             self._settle()
-            termios.tcflush(self._descriptor, termios.TCIFLUSH)
+            with contextlib.suppress(termios.error):
+                termios.tcflush(self._descriptor, termios.TCIFLUSH)
             self._decoder = self._decoder.anew()
         self._give_back()
 

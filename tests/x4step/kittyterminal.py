@@ -107,7 +107,11 @@ class Screen:
 
     def start(self, program: str, *arguments: str) -> None:
         """A Python program; without its text a command of fraese."""
-        code = ["-c", textwrap.dedent(program)] if program else ["-m", "fraese", *arguments]
+        code = (
+            ["-c", textwrap.dedent(program), *arguments]
+            if program
+            else ["-m", "fraese", *arguments]
+        )
         surroundings = {"PYTHONPATH": str(ROOT), "XDG_CONFIG_HOME": "/no"}
         self.start_program([sys.executable, *code], {**os.environ, **surroundings})
 

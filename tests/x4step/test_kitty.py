@@ -4,6 +4,7 @@ import os
 import signal
 import time
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Final
 
 import pytest
@@ -383,6 +384,63 @@ def test_ctrl_z_gives_the_terminal_back_and_takes_it_again() -> None:
     assert screen.terminal.flags == []
     screen.type(b"\n")
     assert screen.end() == 0
+
+
+GOES_ON = """
+    import signal, sys, time
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    from fraese.x4step import *
+    X4Init(2)
+    X4MovePos(1, 1000, 50)
+    print("moving", flush=True)
+    while X4GetTimer() < 1500: pass
+    began = time.monotonic()
+    X4Brake()
+    while X4GetState(): pass
+    X4Load(100, 0, 0, 0, 1000, 0); X4Start()
+    while X4GetState(): pass
+    with open(sys.argv[1], "w") as file:
+        print(X4GetSteps(1), time.monotonic() - began < 5, X4ReInit(), file=file)
+"""
+
+
+@pytest.mark.alone
+def test_a_terminal_that_is_gone_stops_nobody(tmp_path: Path) -> None:
+    screen = Screen()
+    screen.start(GOES_ON, str(tmp_path / "said"))
+    screen.until("moving")
+    screen.until_flags([31])
+    time.sleep(0.3)  # Its line is written to the end.
+    os.close(screen.master)
+    assert os.waitpid(screen.child, 0)[1] == 0
+    assert (tmp_path / "said").read_text() == "100 True 0\n"
+
+
+HELD = """
+    import signal, sys
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    from fraese.x4step import *
+    X4Init(2)
+    X4BrakeCodes([205, 0])
+    X4MovePos(1, 1000, 50)
+    print("moving", flush=True)
+    while X4GetState(): pass
+    with open(sys.argv[1], "w") as file:
+        print(X4LastBrakeCode(), X4ReInit(), file=file)
+"""
+
+
+@pytest.mark.alone
+def test_a_key_that_is_held_when_the_terminal_goes_is_up(tmp_path: Path) -> None:
+    screen = Screen()
+    screen.start(HELD, str(tmp_path / "said"))
+    screen.until("moving")
+    screen.until_flags([31])
+    screen.type(encoded("RIGHT"))
+    time.sleep(0.3)
+    os.close(screen.master)
+    assert os.waitpid(screen.child, 0)[1] == 0
+    assert (tmp_path / "said").read_text() == "205 0\n"
 
 
 @pytest.mark.alone
