@@ -112,12 +112,17 @@ def program_keys(wanted: WantedKeys) -> ToldKeys | NoKeys:
     try:
         # Only where there are such terminals.
         from fraese.x4step.evdev import EvdevKeys, keyboards
-        from fraese.x4step.terminal import keys_of
+        from fraese.x4step.terminal import keys_beside, keys_of
     except ImportError:
         return NoKeys(sys.stdin)
+    terminal: Literal["auto", "kitty", "plain"] = (
+        "plain" if wanted.source == "evdev" else wanted.source
+    )
+    program = keys_of(sys.stdin, wanted.layout, terminal) or keys_beside(
+        sys.stdin, wanted.layout, terminal
+    )
     if wanted.source != "evdev":
-        return keys_of(sys.stdin, wanted.layout, wanted.source) or NoKeys(sys.stdin)
-    program = keys_of(sys.stdin, wanted.layout) or NoKeys(sys.stdin)
+        return program
     found = keyboards(wanted.devices)
     if not found:
         complain(

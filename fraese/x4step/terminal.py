@@ -26,6 +26,7 @@ from typing import Any, Final, TextIO
 
 from fraese.x4step import lifeline
 from fraese.x4step.decoder import Decoder, Held, Key, Stroke
+from fraese.x4step.keys import NoKeys
 from fraese.x4step.kitty import FOCUS_LOST, Kitty, Wanted
 
 _LOCAL: Final = 3
@@ -252,6 +253,41 @@ class TerminalKeys:
             self._kitty.heard(report)
         self._decoder.reports = [r for r in self._decoder.reports if r == FOCUS_LOST]
         return strokes
+
+
+class RedirectedKeys(NoKeys):
+    """The input is a file or a pipe, but the program runs in a terminal: its keys brake.
+
+    Args:
+        stream: the input; ``getch`` is of that.
+        terminal: where the program runs.
+    """
+
+    def __init__(self, stream: TextIO | None, terminal: TerminalKeys) -> None:
+        super().__init__(stream)
+        self._terminal = terminal
+
+    def begin(self) -> None:
+        """Axes will move: take the keyboard away."""
+        self._terminal.begin()
+
+    def codes(self) -> list[int]:
+        """Scan codes since the last call, in order; never waits."""
+        return self._terminal.codes()
+
+    def end(self) -> None:
+        """They stand: give it back; what was typed ahead is nobody's."""
+        self._terminal.end()
+        self._terminal.ahead.clear()
+
+
+def keys_beside(stream: TextIO | None, layout: str, wanted: Wanted = "plain") -> NoKeys:
+    """Keys of a program whose input is no terminal: of the terminal that it runs in, if any."""
+    try:
+        descriptor = os.open("/dev/tty", os.O_RDWR | os.O_NOCTTY | os.O_CLOEXEC)
+    except OSError:
+        return NoKeys(stream)
+    return RedirectedKeys(stream, TerminalKeys(descriptor, layout, wanted=wanted))
 
 
 def keys_of(stream: TextIO, layout: str, wanted: Wanted = "plain") -> TerminalKeys | None:

@@ -2,6 +2,8 @@
 
 import os
 import signal
+import sys
+import textwrap
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,6 +22,7 @@ from tests.x4step.kittyterminal import (
     PRESS,
     RELEASE,
     REPEAT,
+    ROOT,
     KittyTerminal,
     Screen,
     encoded,
@@ -384,6 +387,27 @@ def test_ctrl_z_gives_the_terminal_back_and_takes_it_again() -> None:
     assert screen.terminal.flags == []
     screen.type(b"\n")
     assert screen.end() == 0
+
+
+@pytest.mark.alone
+def test_keys_of_the_terminal_brake_also_where_the_input_is_a_file(tmp_path: Path) -> None:
+    """``getch`` is of the file."""
+    (tmp_path / "input").write_text("ab", encoding="ascii")
+    program = textwrap.dedent(MOVING.replace("CODE", "205").replace("input()", "getch()"))
+    (tmp_path / "program.py").write_text(program, encoding="ascii")
+    command = f"{sys.executable} {tmp_path}/program.py < {tmp_path}/input"
+    screen = Screen()
+    screen.start_program(
+        ["/bin/sh", "-c", command],
+        {**os.environ, "PYTHONPATH": str(ROOT), "XDG_CONFIG_HOME": "/no"},
+    )
+    screen.until("moving")
+    screen.until_flags([31])
+    screen.type(encoded("RIGHT") + encoded("RIGHT", RELEASE))
+    screen.until("code 205")
+    screen.until("then: a")
+    assert screen.end() == 0
+    assert screen.terminal.flags == []
 
 
 GOES_ON = """
