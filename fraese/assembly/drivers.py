@@ -25,6 +25,7 @@ from fraese.motor.core import MotorCore
 from fraese.motor.ports.sim import RotorState, SimulatedMill
 from fraese.motor.seams import Card, Clock, Port, StepDriver
 from fraese.motor.switches import SwitchInput
+from fraese.motor.waveform import Waveform
 
 if TYPE_CHECKING:
     from fraese.motor.realtime.driver import RealtimeDriver
@@ -191,7 +192,8 @@ def _on_bridge(order: Order) -> Made:
     port = order.config.port
     device = port.device or only_candidate(serial_ports())
     clock = MonotonicClock()
-    driver = BridgeDriver(
+    waveform = order.trace.begin() if order.trace else None
+    driver: StepDriver = BridgeDriver(
         partial(SerialLine, device, port.baud),
         order.card,
         clock,
@@ -202,7 +204,27 @@ def _on_bridge(order: Order) -> Made:
         name=device,
         baud=port.baud,
     )
-    return on_metal(driver, clock)
+    trace = None
+    if waveform is not None:
+        driver, trace = planned_driver(
+            driver, waveform, order.card, clock, order.settle_s, order.safe_outputs
+        )
+    return on_metal(driver, clock, trace)
+
+
+def planned_driver(
+    driver: StepDriver,
+    waveform: Waveform,
+    card: Card,
+    clock: Clock,
+    settle_s: float = 0.0,
+    safe_outputs: int = 0,
+) -> "tuple[StepDriver, Trace]":
+    """A driver whose steps are timed elsewhere, and the waveform of what it plays."""
+    from fraese.motor.planned import PlannedTrace
+
+    trace = PlannedTrace(waveform, card, clock, settle_s, safe_outputs)
+    return trace.on(driver, card.motors), trace
 
 
 #: Ports of metal: what opens each, as configured.

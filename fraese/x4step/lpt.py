@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from fraese.assembly import tracing
-from fraese.assembly.drivers import PORTS, on_metal, real_time_driver
+from fraese.assembly.drivers import PORTS, on_metal, planned_driver, real_time_driver
 from fraese.config import Config
 from fraese.config.wiring import PortConfig
 from fraese.config.x4step import LptConfig
@@ -240,7 +240,8 @@ def _on_bridge(wanted: Wanted) -> Opened:
     port = wanted.port
     device = port.device or only_candidate(serial_ports())
     clock = MonotonicClock()
-    driver = BridgeDriver(
+    waveform = wanted.waveform.begin() if wanted.waveform else None
+    driver: StepDriver = BridgeDriver(
         partial(SerialLine, device, port.baud),
         x4step_card(port),
         clock,
@@ -250,8 +251,11 @@ def _on_bridge(wanted: Wanted) -> Opened:
         name=device,
         baud=port.baud,
     )
+    trace = None
+    if waveform is not None:
+        driver, trace = planned_driver(driver, waveform, x4step_card(port), clock)
     made = on_metal(driver, clock)
-    return Opened(driver, clock, _BRIDGE_S, _BRIDGE_S, awake=made.awake)
+    return Opened(driver, clock, _BRIDGE_S, _BRIDGE_S, awake=made.awake, trace=trace)
 
 
 OPENERS: Final[Mapping[str, Callable[[Wanted], Opened]]] = {
