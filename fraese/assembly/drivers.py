@@ -224,7 +224,7 @@ def planned_driver(
     from fraese.motor.planned import PlannedTrace
 
     trace = PlannedTrace(waveform, card, clock, settle_s, safe_outputs)
-    return trace.on(driver, card.motors), trace
+    return trace.on(driver), trace
 
 
 #: Ports of metal: what opens each, as configured.

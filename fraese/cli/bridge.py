@@ -9,13 +9,17 @@ import json
 import statistics
 from collections.abc import Iterator
 from functools import partial
+from pathlib import Path
 from typing import Annotated, Final, NamedTuple
 
 import typer
 
+from fraese.assembly import tracing
 from fraese.assembly.cards import CARDS
+from fraese.assembly.drivers import planned_driver
 from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece, accel_q_from_hz_s, rate_q8_from_hz
-from fraese.cli.shared import ConfigOption, JsonOption, leave
+from fraese.cli.session import note
+from fraese.cli.shared import ConfigOption, JsonOption, TraceOption, leave
 from fraese.config import Config
 from fraese.config import file as configuration
 from fraese.errors import PortError
@@ -28,7 +32,8 @@ from fraese.motor.bridge.stepwise import finish
 from fraese.motor.bridge.trial import round_trips_s
 from fraese.motor.clock import MonotonicClock
 from fraese.motor.pins import STATUS_PINS, levels
-from fraese.motor.seams import IdleLevel
+from fraese.motor.seams import Card, IdleLevel, StepDriver
+from fraese.motor.waveform import Waveform
 
 app = typer.Typer()
 bridge_app = typer.Typer(help="The microcontroller on a serial port.", no_args_is_help=True)
@@ -137,13 +142,14 @@ def try_out(
     device: DeviceOption = None,
     baud: BaudOption = None,
     move: MoveOption = 0,
+    trace: TraceOption = None,
 ) -> None:
     """Try the bridge out; no motor moves without --move."""
 
     def go() -> int:
         place = _place(configuration.load(config), device, baud)
         checks = []
-        for check in _checks(place, move):
+        for check in _checks(place, move, trace):
             checks.append(check)
             if not as_json:
                 print(f"{'ok' if check.ok else 'failed':6}  {check.name}: {check.seen}")
@@ -154,7 +160,9 @@ def try_out(
     leave(go, as_json)
 
 
-def _checks(place: Place, move_steps: int) -> Iterator[Check]:
+def _checks(place: Place, move_steps: int, trace: Path | None) -> Iterator[Check]:
+    wanted = tracing.wanted(place.config, trace)
+    waveform = wanted.begin() if wanted else None
     card = CARDS[place.config.card.kind](place.config)
     driver = BridgeDriver(place.line, card, MonotonicClock(), name=place.device, baud=place.baud)
     try:
@@ -164,7 +172,9 @@ def _checks(place: Place, move_steps: int) -> Iterator[Check]:
         )
         for check in (_answers, _damage, _inputs, partial(_queue, motors=card.motors)):
             yield check(driver)
-        if move_steps:
+        if move_steps and waveform:
+            yield from _traced_moves(driver, card, place.config, move_steps, waveform)
+        elif move_steps:
             yield from _moves(driver, place.config, move_steps)
     finally:
         driver.close()
@@ -230,7 +240,18 @@ def _contour_block(number: int, motors: int) -> Block:
     )
 
 
-def _moves(driver: BridgeDriver, config: Config, steps: int) -> Iterator[Check]:
+def _traced_moves(
+    driver: BridgeDriver, card: Card, config: Config, steps: int, waveform: Waveform
+) -> Iterator[Check]:
+    drawn, trace = planned_driver(driver, waveform, card, MonotonicClock())
+    try:
+        yield from _moves(drawn, config, steps)
+    finally:
+        trace.close()
+        note(waveform.sentence())
+
+
+def _moves(driver: StepDriver, config: Config, steps: int) -> Iterator[Check]:
     axes = config.axes.table
     for motor, (name, axis) in enumerate(axes.items()):
         rate_hz = axis.start_rate_hz

@@ -79,9 +79,9 @@ class PlannedTrace:
         self._thread = threading.Thread(target=self._draw, name="waveform", daemon=True)
         self._thread.start()
 
-    def on(self, driver: StepDriver, motors: int) -> "PlannedDriver":
-        """That driver, with what it plays drawn."""
-        return PlannedDriver(driver, self, motors)
+    def on(self, driver: StepDriver) -> "PlannedDriver":
+        """That driver, which stands, with what it plays drawn."""
+        return PlannedDriver(driver, self)
 
     def now_ns(self) -> int:
         """Since the beginning."""
@@ -154,18 +154,22 @@ class PlannedDriver:
     Args:
         driver: to pass on to.
         trace: draws.
-        motors: how many.
+
+    Raises:
+        PortError: if the driver cannot be asked.
     """
 
-    def __init__(self, driver: StepDriver, trace: PlannedTrace, motors: int) -> None:
+    def __init__(self, driver: StepDriver, trace: PlannedTrace) -> None:
         self._driver = driver
         self._trace = trace
         self._waiting: deque[Block] = deque()
-        self._finished = self._pushed = 0
-        self._position = [0] * motors
-        self._inputs = -1
+        self._report = report = driver.poll(0)
+        # What it played before this is not drawn.
+        self._finished, self._pushed = report.finished, report.playing
+        self._position = list(report.position_steps)
+        self._inputs = report.inputs
         self._run_ns: int | None = None
-        self._report: Report | None = None
+        trace.inputs(report.inputs)
 
     def push(self, block: Block) -> bool:
         """Pass on; it is drawn when it was played."""
@@ -244,8 +248,7 @@ class PlannedDriver:
     def flush(self) -> None:
         """Pass on; what waits is dropped."""
         self._driver.flush()
-        if self._report is not None:
-            self._drop(self._report, self._run_ns or self._trace.now_ns())
+        self._drop(self._report, self._run_ns or self._trace.now_ns())
         self._trace.rest()
         self._run_ns = None
 

@@ -38,7 +38,7 @@ class Pair:
         port = TracedPort(NullPort(), self.clock.now_ns, self._real.note)
         core = MotorCore(port, CARDS[card](), self.clock)
         self._trace = PlannedTrace(planned, CARDS[card](), self.clock, 0.02, 0)
-        self.driver: PlannedDriver = self._trace.on(core, MOTORS)
+        self.driver: PlannedDriver = self._trace.on(core)
 
     def play(self) -> Report:
         report = self.driver.poll(0.05)

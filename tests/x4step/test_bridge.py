@@ -1,18 +1,24 @@
 """X4Step with its steps timed by the firmware, in a simulated microcontroller."""
 
 from itertools import pairwise
+from pathlib import Path
 
 import pytest
 
+from fraese.assembly.drivers import planned_driver
 from fraese.config.x4step import LptConfig
 from fraese.motor.bridge.driver import BridgeDriver
+from fraese.motor.meaning import Meaning
+from fraese.motor.seams import StepDriver
+from fraese.motor.waveform import Waveform
 from fraese.x4step import X4Step
 from fraese.x4step.keys import HandKeys, Keyboard
-from fraese.x4step.lpt import NO_SWITCH, Opened, x4step_card
+from fraese.x4step.lpt import LINE_NAMES, NO_SWITCH, Opened, x4step_card
 from fraese.x4step.surroundings import Surroundings
 from fraese.x4step.testing import Lines, clock_pin
 from tests.bridge.device import reason_to_skip
 from tests.bridge.firmwaremill import Chip, ChipLine
+from tests.cli.test_trace_option import Wave
 
 if reason_to_skip():
     pytest.skip(reason_to_skip(), allow_module_level=True)
@@ -22,19 +28,28 @@ SEAM_NS = 75_000
 
 
 class ChipLab:
-    """A chip with X4Step's card."""
+    """A chip with X4Step's card.
 
-    def __init__(self) -> None:
+    Attributes:
+        trace: a waveform file that is wanted; None: none is.
+    """
+
+    def __init__(self, trace: Path | None = None) -> None:
+        self.trace = trace
         self.chip = Chip("x4step")
         self.keys = HandKeys()
         self.around = Surroundings(self._open, Keyboard(self.keys), is_lockstep=True)
 
     def _open(self, lpt: int) -> Opened:
-        driver = BridgeDriver(
+        driver: StepDriver = BridgeDriver(
             lambda: ChipLine(self.chip), x4step_card(LptConfig()), self.chip, NO_SWITCH, settle_s=0
         )
         self.chip.begin()
-        return Opened(driver, self.chip, 0.015, 0.015, self.chip.twin.simulated)
+        trace = None
+        if self.trace is not None:
+            waveform = Waveform(self.trace, "lpt1", Meaning(LINE_NAMES))
+            driver, trace = planned_driver(driver, waveform, x4step_card(LptConfig()), self.chip)
+        return Opened(driver, self.chip, 0.015, 0.015, self.chip.twin.simulated, trace=trace)
 
     def lines(self) -> Lines:
         return Lines(self.chip.twin.port.accesses)
@@ -117,3 +132,23 @@ def test_signals_and_inputs(lab: ChipLab) -> None:
             motors.pass_time(0.03)
             assert not lab.lines().level(1)
             assert motors.inputs & 0b01111 == 0b01111
+
+
+def test_a_waveform_from_the_blocks_has_the_edges_of_the_firmware(tmp_path: Path) -> None:
+    lab = ChipLab(tmp_path / "lines.vcd")
+    with X4Step(1, lab.around) as motors:
+        motors.load((200, -99, 0, 3), 2000, 50)
+        motors.start()
+        motors.wait()
+        motors.move_negative(1, 1000, 100)
+        while abs(motors.facts.steps[0]) < 150:
+            assert motors.moving
+        motors.stop()
+        motors.wait()
+    lines, wave = lab.lines(), Wave(tmp_path / "lines.vcd")
+    for axis in (1, 2, 3, 4):
+        rises = wave.edges(f"pin{2 * axis + 1:02d}_clock{axis}", "1")
+        assert len(rises) == len(lines.rises(clock_pin(axis)))
+    assert len(wave.edges("pin03_clock1", "1")) >= 350
+    assert len(wave.edges("pin17_active", "1")) == 2
+    assert wave.changes["pin17_active"][-1].value == "0"
