@@ -81,13 +81,13 @@ def trace(
         named = [_pair(words) for words in pairs or []]
         if svg is not None:
             wide = Stretch(waveform, first, last, WIDTH_PX, named)
-            _write_svg(svg, wide, [wide.seen[number] for number in chosen])
+            _write_svg(svg, wide, _drawn([wide.seen[number] for number in chosen], lines))
         stretch = Stretch(waveform, first, last, max(1, width - label - 1), named)
         shown = [stretch.seen[number] for number in chosen]
         if as_json:
             print(json.dumps(_as_dict(stretch, shown)))
         else:
-            _show(stretch, shown, label, width)
+            _show(stretch, shown, _drawn(shown, lines), label, width)
         return 0
 
     leave(go, as_json)
@@ -189,7 +189,14 @@ def _label(file: "VcdFile", chosen: list[int], width: int) -> int:
     return label_width([file.lines[number].name for number in chosen], width)
 
 
-def _show(stretch: "Stretch", shown: "list[Seen]", label: int, width: int) -> None:
+def _drawn(shown: "list[Seen]", wanted: list[str] | None) -> "list[Seen]":
+    """Lines that were asked for; else those that change."""
+    return shown if wanted else [seen for seen in shown if not seen.is_still]
+
+
+def _show(
+    stretch: "Stretch", shown: "list[Seen]", drawn: "list[Seen]", label: int, width: int
+) -> None:
     from fraese.waves import drawing, times
 
     glyphs = drawing.FINE if _can_print("".join(drawing.FINE)) else drawing.PLAIN
@@ -199,17 +206,19 @@ def _show(stretch: "Stretch", shown: "list[Seen]", label: int, width: int) -> No
         f" {times.moment(stretch.end * unit_s)};"
         f" a column is {times.length(stretch.span_s / stretch.width)}"
     )
-    moving = [seen for seen in shown if not seen.is_still]
-    for seen in moving:
-        name, drawn = drawing.row(seen, glyphs, label)
-        print(f"{_styled(name, bold=True)} {_styled(drawn, fg='green')}")
+    for seen in drawn:
+        name, wave = drawing.row(seen, glyphs, label)
+        print(f"{_styled(name, bold=True)} {_styled(wave, fg='green')}")
     for line in drawing.axis(stretch):
         print(_styled(f"{'':{label}} {line}", dim=True))
     print()
-    for line in (*drawing.tables(stretch, moving, label, width), *drawing.set_ups(stretch)):
+    for line in (*drawing.tables(stretch, drawn, label, width), *drawing.set_ups(stretch)):
         print(line)
-    for line in drawing.still(stretch, shown):
+    for line in drawing.still(stretch, [seen for seen in shown if seen not in drawn]):
         print(_styled(line, dim=True))
+    if sys.stdout.isatty() and drawing.is_dense(drawn):
+        closer = f"{glyphs.many}: more edges than can be seen. Closer: --around TIME --span 2ms"
+        print(_styled(closer, dim=True))
 
 
 def _styled(text: str, **style: Any) -> str:
@@ -230,8 +239,7 @@ def _write_svg(path: Path, stretch: "Stretch", shown: "list[Seen]") -> None:
     try:
         if path.is_file() and path.read_bytes()[:1] not in (b"", b"<"):
             raise TraceError(f"{path} is there and is no picture; it is not overwritten.")
-        moving = [seen for seen in shown if not seen.is_still]
-        path.write_text(picture(stretch, moving or shown), encoding="utf-8")
+        path.write_text(picture(stretch, shown), encoding="utf-8")
     except OSError as error:
         raise TraceError(f"{path}: the picture cannot be written: {error.strerror}.") from error
     note(f"{path}: picture of the stretch.")

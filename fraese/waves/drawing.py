@@ -18,7 +18,6 @@ from fraese.waves import times
 from fraese.waves.figures import LineFigures, QuantityFigures, Shortest
 from fraese.waves.stretch import Seen, Stretch
 
-_LEAST_COLUMNS: Final = 10
 _TICK_COLUMNS: Final = 13
 
 
@@ -213,6 +212,6 @@ def still(stretch: Stretch, shown: Sequence[Seen]) -> list[str]:
     return [f"{word} throughout: {', '.join(names)}" for word, names in sorted(found.items())]
 
 
-def least_width(label: int) -> int:
-    """Where nothing narrower can be drawn."""
-    return label + 1 + _LEAST_COLUMNS
+def is_dense(drawn: Sequence[Seen]) -> bool:
+    """Somewhere are more edges than can be seen."""
+    return any((seen.columns.edges > 1).any() for seen in drawn)
