@@ -58,6 +58,8 @@ def test_the_house_as_it_stands_breaks_nothing(house: Path) -> None:
         ("doctor/board.py", "from fraese.x4step import codes", "Floors"),
         ("x4step/codes.py", "from fraese.cli import shared", "Floors"),
         ("motor/track.py", "from fraese import machine", "The world of steps"),
+        ("motor/track.py", "from fraese import workframe", "The world of steps"),
+        ("motor/track.py", "from fraese import feedway", "The world of steps"),
         ("gcode/canon.py", "from fraese import blocks", "The language"),
         ("control/stray.py", "from fraese.gcode import canon", "The controller"),
         ("motor/track.py", "from fraese.motor.cards import control", "The core"),
@@ -67,7 +69,13 @@ def test_the_house_as_it_stands_breaks_nothing(house: Path) -> None:
         ("ui/feed.py", "from fraese.program import translate", "The UI"),
         ("ui/feed.py", "from fraese.control import runner", "The UI"),
         ("ui/stray.py", "from fraese import machine", "The UI"),
+        ("ui/feed.py", "import typer", "The UI"),
+        ("ui/feed.py", "from fraese import workframe", "The UI"),
+        ("ui/feed.py", "from fraese import feedway", "The UI"),
         ("program/source.py", "import rich", "The terminal"),
+        ("workframe.py", "import rich", "The terminal"),
+        ("anythread.py", "import typer", "The terminal"),
+        ("feedway.py", "import textual", "The terminal"),
     ],
 )
 def test_a_stray_module_or_import_is_refused(

@@ -2,21 +2,20 @@
 
 Rule 1: points are tuples in machine order; letters are found in them here.
 Rule 2: G20 scales lengths; the degrees of a rotary axis are degrees always.
-Rule 3: a feed is along X, Y and Z if any of them moves; else along U, V and W; else along A, B
-        and C. Where only rotary axes move in the group that counts, it is in degrees a minute.
+Rule 3: which axes a feed is along, ``feedway`` says. Where only rotary axes move in the group that
+        counts, it is in degrees a minute.
 """
 
-import math
 from collections.abc import Mapping
 from operator import sub
 from typing import Final, NamedTuple
 
 from fraese.errors import ProgramError
+from fraese.feedway import NO_WAY, counted, groups_of, length_of
 from fraese.workframe import LETTERS, Point
 
 #: First and second axis of a plane, in right-handed order, and the third, about which it turns.
 _PLANES: Final = {17: "xyz", 18: "zxy", 19: "yzx"}
-_GROUPS: Final = ("xyz", "uvw", "abc")
 #: Units of length in which a program may be, in mm.
 UNITS_MM: Final = (1.0, 25.4)
 
@@ -69,10 +68,8 @@ class Axes:
         self._each = tuple(letters)
         # Plain lines of three axes are what there is most of.
         self.reached = self._reached_by_three if len(letters) == 3 else self._reached
-        self._groups = [
-            tuple((at, letter in rotary) for at, letter in enumerate(letters) if letter in group)
-            for group in _GROUPS
-        ]
+        self._groups = groups_of(letters)
+        self._rotary = tuple(letter in rotary for letter in letters)
 
     def _reached(self, at: Point, words: Mapping[str, float], unit_mm: float) -> Point:
         get = words.get
@@ -150,12 +147,9 @@ class Axes:
     def way(self, start: Point, end: Point) -> Way:
         """What the feed of a straight move counts along."""
         by = tuple(map(sub, end, start))
-        for group in self._groups:
-            moved = [(by[at], is_rotary) for at, is_rotary in group if by[at]]
-            if moved:
-                length = math.hypot(*(part for part, _ in moved))
-                return Way(length, all(is_rotary for _, is_rotary in moved))
-        return Way(0.0, False)
+        group, length = counted(self._groups, by)
+        straight = tuple(at for at in group if not self._rotary[at])
+        return Way(length, bool(group) and length_of(straight, by) <= NO_WAY)
 
 
 def third_letter(code: int) -> str:

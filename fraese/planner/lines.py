@@ -15,8 +15,9 @@ from fraese.blocks import (
     accel_q_from_hz_s,
     rate_q8_from_hz,
 )
+from fraese.feedway import groups_of
 from fraese.machine import Machine, Steps
-from fraese.planner.measure import groups_of, path_length_mm
+from fraese.planner.measure import path_length_mm
 from fraese.planner.ramps import trapezoid
 from fraese.planner.segments import start_rate_hz
 from fraese.planner.timing import WEIGHT_PER_MM2
@@ -66,7 +67,7 @@ def line_limits(machine: Machine, delta_steps: Steps) -> LineLimits:
     parts = [(axis, abs(n) / ticks) for axis, n in zip(machine.axes, delta_steps, strict=True) if n]
     return LineLimits(
         ticks=ticks,
-        length_mm=path_length_mm(groups_of(machine), delta_steps, machine.to_mm(delta_steps)),
+        length_mm=path_length_mm(groups_of(machine.names), delta_steps, machine.to_mm(delta_steps)),
         start_hz=min(start_rate_hz(axis) / part for axis, part in parts),
         max_hz=min(axis.max_rate_hz / part for axis, part in parts),
         acceleration_hz_s=min(axis.acceleration_hz_s / part for axis, part in parts),

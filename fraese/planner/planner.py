@@ -17,10 +17,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 from fraese.blocks import OVERRIDES, Q8, Block, Outputs, Watch, dwell
+from fraese.feedway import GROUPS
 from fraese.machine import Machine, Steps
 from fraese.planner.arcs import Point, arc_shape, planes_of
 from fraese.planner.lookahead import Window
-from fraese.planner.measure import GROUPS
 from fraese.planner.merging import Chain
 from fraese.planner.options import Options, PathMode
 from fraese.planner.segments import UNLIMITED, limits_of
@@ -107,7 +107,7 @@ class Planner:
 
         Args:
             to_mm: target in machine coordinates.
-            feed_mm_min: speed along the path, see ``measure``; None: as fast as the axes can.
+            feed_mm_min: speed along the path, see ``feedway``; None: as fast as the axes can.
             tag: seen in reports.
 
         Raises:

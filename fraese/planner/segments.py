@@ -26,9 +26,10 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from fraese.blocks import Outputs, Watch
+from fraese.feedway import groups_of
 from fraese.machine import Axis, Machine, Steps
 from fraese.planner.arcs import Point
-from fraese.planner.measure import groups_of, path_length_mm
+from fraese.planner.measure import path_length_mm
 
 UNLIMITED: Final = math.inf
 #: A change of direction below this is none.
@@ -93,7 +94,7 @@ class Limits:
 
     def __init__(self, machine: Machine, rate_factor: float = 1.0) -> None:
         axes = machine.axes
-        self._groups = groups_of(machine)
+        self._groups = groups_of(machine.names)
         self._mm = tuple(axis.step_mm for axis in axes)
         self._per_rate = tuple(1 / (axis.max_rate_hz * rate_factor) for axis in axes)
         self._per_start = tuple(1 / start_rate_hz(axis) for axis in axes)
@@ -254,7 +255,7 @@ class ThreeLinear(Limits):
 
 def limits_of(machine: Machine, rate_factor: float = 1.0) -> Limits:
     """The limits of a machine, in the form that is quickest for it."""
-    groups = groups_of(machine)
+    groups = groups_of(machine.names)
     is_usual = len(machine.axes) == 3 and len(groups) == 1
     return (ThreeLinear if is_usual else Limits)(machine, rate_factor)
 

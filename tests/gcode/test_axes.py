@@ -76,6 +76,20 @@ def test_inverse_time_counts_along_the_first_group_that_moves(text: str, feed: f
     assert first.feed_mm_min == pytest.approx(feed)
 
 
+@pytest.mark.parametrize(
+    ("text", "feed"),
+    [
+        ("g93 g90 g1 x0.3 a90 f2", 180),
+        ("g20 f300 | g21 g90 g1 x0.3 a90", 300),
+    ],
+)
+def test_a_remain_of_a_sum_is_no_way_that_a_feed_counts_along(text: str, feed: float) -> None:
+    before = "g91 f600 | g1 x0.1 | x0.1 | x0.1 |"
+    last = moves(f"{before} {text}", axes="xyza")[-2]
+    assert isinstance(last, Feed)
+    assert last.feed_mm_min == pytest.approx(feed)
+
+
 def test_a_feed_of_angles_is_the_word_itself() -> None:
     feeds = [
         move.feed_mm_min

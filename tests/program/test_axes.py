@@ -272,6 +272,17 @@ def test_a_program(kind: str, tmp_path: Path) -> None:
     stands_at(made, **end)
 
 
+def test_a_remain_of_a_sum_takes_no_time(tmp_path: Path) -> None:
+    """X stands but for 5e-17 mm; so the inverse time is that of the turn."""
+    path = tmp_path / "part.ngc"
+    path.write_text("G21 G91 F600\nG1 X0.1\nX0.1\nX0.1\nG90 G93 G1 X0.3 A90 F2\nM2\n", "utf-8")
+    made = referenced("stepdir X Y Z A")
+    made.controller.home(["a"])
+    done(made)
+    facts = open_program(path).check(made.controller, plan=True)
+    assert facts.duration_s == pytest.approx(30, abs=0.5)
+
+
 @pytest.mark.parametrize("kind", PROGRAMS)
 def test_the_frame_of_a_program(kind: str, tmp_path: Path) -> None:
     path = tmp_path / "part.ngc"
