@@ -201,8 +201,15 @@ def _show(
 
     glyphs = drawing.FINE if _can_print("".join(drawing.FINE)) else drawing.PLAIN
     unit_s = stretch.file.unit_s
+    for line in drawing.tables(stretch, drawn, label, width):
+        print(line)
+    for line in drawing.set_ups(stretch, drawn, label, width):
+        print(line)
+    for line in drawing.still(stretch, [seen for seen in shown if seen not in drawn]):
+        print(_styled(line, dim=True))
+    # The picture comes last: it is what stays on a small screen.
     print(
-        f"{stretch.file.path}: {times.moment(stretch.start * unit_s)} to"
+        f"\n{stretch.file.path}: {times.moment(stretch.start * unit_s)} to"
         f" {times.moment(stretch.end * unit_s)};"
         f" a column is {times.length(stretch.span_s / stretch.width)}"
     )
@@ -211,11 +218,6 @@ def _show(
         print(f"{_styled(name, bold=True)} {_styled(wave, fg='green')}")
     for line in drawing.axis(stretch):
         print(_styled(f"{'':{label}} {line}", dim=True))
-    print()
-    for line in (*drawing.tables(stretch, drawn, label, width), *drawing.set_ups(stretch)):
-        print(line)
-    for line in drawing.still(stretch, [seen for seen in shown if seen not in drawn]):
-        print(_styled(line, dim=True))
     if sys.stdout.isatty() and drawing.is_dense(drawn):
         closer = f"{glyphs.many}: more edges than can be seen. Closer: --around TIME --span 2ms"
         print(_styled(closer, dim=True))

@@ -185,16 +185,22 @@ def _quantities(
     ]
 
 
-def set_ups(stretch: Stretch) -> list[str]:
-    """A sentence for every direction that changes."""
+def set_ups(stretch: Stretch, shown: Sequence[Seen], label: int, width: int) -> list[str]:
+    """A table of the directions among these lines that change."""
     unit_s, lines = stretch.file.unit_s, stretch.file.lines
-    return [
-        f"set-up {lines[s.direction].name} to {lines[s.clock].name}:"
-        f" {_shortest(s.shortest, unit_s)} or more; shortest at {_begin(s.shortest, unit_s)},"
-        f" of {s.shortest.count}"
-        for s in stretch.set_ups
-        if s.shortest.count
+    names = [seen.line.name for seen in shown]
+    found = [s for s in stretch.set_ups if s.shortest.count and lines[s.direction].name in names]
+    if not found:
+        return []
+    parts = [
+        ["set-up", *(_shortest(s.shortest, unit_s) for s in found)],
+        ["of", *(str(s.shortest.count) for s in found)],
+        ["at", *(_begin(s.shortest, unit_s) for s in found)],
+        ["to", *(lines[s.clock].name for s in found)],
     ]
+    heads = ["", *(lines[s.direction].name for s in found)]
+    rows, _ = _table([shortened(name, label) for name in heads], parts, width)
+    return ["", *rows]
 
 
 def still(stretch: Stretch, shown: Sequence[Seen]) -> list[str]:

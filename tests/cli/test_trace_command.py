@@ -69,7 +69,7 @@ def test_a_lead_of_a_direction_is_found_and_shown(folder: Path) -> None:
     assert edges == 1
     assert figures("job.vcd", "--around", "x_dir:2", "--span", "4ms")["lines"] == near["lines"]
     shown = run("trace", "job.vcd", "--around", "x_dir:2", "--span", "4ms", "--line", "x_")
-    rows = [line for line in shown.stdout.splitlines() if line.startswith("pin0")]
+    rows = [line for line in shown.stdout.splitlines() if line.startswith("pin0")][-2:]
     # In the middle one edge, high before it and low after it.
     assert rows[0].startswith("pin02_x_direction ▔▔▔▔▔")
     assert rows[0].endswith("▁▁▁▁▁")
@@ -86,8 +86,7 @@ def test_no_row_is_wider_than_80_columns_where_there_is_no_terminal(
     shown = run("trace", name, *stretch)
     drawn = [line for line in shown.stdout.splitlines() if "throughout" not in line]
     assert len(drawn) > 5
-    assert [line for line in drawn if len(line) > 100] == []
-    assert [line for line in drawn if len(line) > 80 and "set-up" not in line] == []
+    assert [line for line in drawn if len(line) > 80] == []
     assert "\x1b" not in shown.stdout
 
 

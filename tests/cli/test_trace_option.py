@@ -1,6 +1,8 @@
 """``--trace`` and what stands in its file: an edge a step, and the machine where they lead."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -175,3 +177,22 @@ def test_a_waveform_that_is_there_is_overwritten(folder: Path) -> None:
     long = (folder / "job.vcd").stat().st_size
     answer("move", "X3.1", "--trace", "job.vcd")
     assert (folder / "job.vcd").stat().st_size < long / 4
+
+
+def test_a_disk_that_fills_up_ends_the_file_and_not_the_job(folder: Path) -> None:
+    """No file may be longer than 100 kB here: the job makes four times as much."""
+    limited = 'ulimit -f 200; exec "$0" -m fraese "$@"'
+    words = ["jog", "X", "40", "--json", "--trace", "job.vcd"]
+    done = subprocess.run(
+        ["sh", "-c", limited, sys.executable, *words], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert said["position_mm"]["x"] == 40
+    assert said["trace"]["failure"] == "File too large"
+    assert "job.vcd: the waveform ends after" in done.stderr
+    assert "File too large; the job went on without it." in done.stderr
+    # What is there can be read, to the moment that was said or nearly so.
+    looked = run("trace", "job.vcd", "--json")
+    assert looked.exit_code == 0, looked.output
+    assert json.loads(looked.stdout)["to_s"] > 0.1

@@ -57,3 +57,22 @@ def test_the_waveform_is_what_the_port_saw(tmp_path: Path, port: str, card: str)
         assert len(wave.edges("pin05_y_clock", "1")) == said["steps"]["y"] == 80
     else:
         assert {c.value for c in wave.changes["x_coil_a"]} == {0, 60, 100, -60, -100}
+
+
+def test_a_program_of_x4step_on_a_parallel_port(tmp_path: Path) -> None:
+    fake = FakePort(tmp_path)
+    (tmp_path / "fraese.toml").write_text('[x4step.lpt2]\nkind = "ppdev"\n')
+    player = fake.start(
+        "fraese", "bench", "2", "--config", str(tmp_path / "fraese.toml"),
+        *("--trace", str(tmp_path / "lines.vcd")),
+    )  # fmt: skip
+    player.communicate("s1\nd50\nf1000\nr0\ng\ns2\nd-20\ng\nq\n", timeout=60)
+    assert player.returncode == 0
+    wave = Wave(tmp_path / "lines.vcd")
+    # The second motion is of both axes.
+    assert len(wave.edges("pin03_clock1", "1")) == 100
+    assert len(wave.edges("pin05_clock2", "1")) == 20
+    assert wave.changes["pin17_active"][-1].value == "0"
+    # The note is made just before the write: the lead can be a little longer, not shorter.
+    second = wave.changes["pin04_direction2"][-1].at_ns
+    assert all(abs(at - second) >= 100_000 for at in wave.edges("pin05_clock2", "1"))
