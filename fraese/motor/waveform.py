@@ -32,7 +32,9 @@ _PINS: Final[Mapping[int, Mapping[int, Line]]] = {
 }
 #: Between two writings of all levels, accesses.
 _ALL_EVERY: Final = 50_000
-_BUFFER_BYTES: Final = 1 << 17
+#: Changes that are written together, if they come within a second.
+_TOGETHER: Final = 500
+_AT_LEAST_NS: Final = 1_000_000_000
 _NOTHING_YET: Final = -1
 _EVERY: Final = 0xFF
 
@@ -75,6 +77,7 @@ class Waveform:
         self._levels = [_NOTHING_YET] * len(_PINS)
         self._just_changed = [0] * len(_PINS)
         self._texts: dict[tuple[int, int, int], str] = {}
+        self._pending: list[str] = []
         self._begin_ns: int | None = None
         self._now_ns = self._written_ns = 0
         self._until_all = _ALL_EVERY
@@ -112,13 +115,15 @@ class Waveform:
         if not self._until_all:
             self._until_all = _ALL_EVERY
             text += self._all()
-        self._write(text if now_ns == self._now_ns and self.changes > 1 else f"#{now_ns}\n{text}")
+        is_same = now_ns == self._now_ns and self.changes > 1
         self._now_ns = now_ns
+        self._write(text if is_same else f"#{now_ns}\n{text}")
 
     def skip(self, accesses: int) -> None:
         """So many accesses could not be noted just now."""
         self.missing += accesses
-        self._write(f"$comment {accesses} accesses are missing here $end\n")
+        if not self.failure:
+            self._write(f"$comment {accesses} accesses are missing here $end\n")
 
     def close(self, at_ns: int) -> None:
         """The last moment, and the end of the file. Safe to call twice."""
@@ -129,18 +134,15 @@ class Waveform:
             if end_ns > self._now_ns:
                 self._now_ns = end_ns
                 self._write(f"#{end_ns}\n")
-        try:
+        self._flush()
+        with suppress(OSError):
             self._file.close()
-        except OSError as error:
-            self._fail(error)
-        else:
-            self._written_ns = self._written_ns if self.failure else self._now_ns
 
     def sentence(self) -> str:
         """What became of it, for people."""
         if self.failure:
             return (
-                f"{self.path}: the waveform ends after {self.duration_s:.6g} s: {self.failure};"
+                f"{self.path}: the waveform ends soon after {self.duration_s:.6g} s: {self.failure};"
                 " the job went on without it."
             )
         said = f"{self.path}: waveform of {self.duration_s:.6g} s, {self.changes} changes"
@@ -190,12 +192,22 @@ class Waveform:
         return f"$dumpall\n{lines}{''.join(w.format_value(v) + chr(10) for w, v in values)}$end\n"
 
     def _write(self, text: str) -> None:
+        """Gather text; now and then, and at least every second of the waveform, write it."""
+        self._pending.append(text)
+        if len(self._pending) >= _TOGETHER or self._now_ns - self._written_ns > _AT_LEAST_NS:
+            self._flush()
+
+    def _flush(self) -> None:
         if self.failure:
             return
         try:
-            self._file.write(text)
+            self._file.write("".join(self._pending))
+            self._file.flush()
         except OSError as error:
             self._fail(error)
+        else:
+            self._pending.clear()
+            self._written_ns = self._now_ns
 
     def _fail(self, error: OSError) -> None:
         self.failure = error.strerror or str(error)
@@ -209,7 +221,7 @@ def _opened(path: Path) -> TextIO:
             raise TraceError(
                 f"{path} is there and is no waveform; it is not overwritten. Name another file."
             )
-        return path.open("w", _BUFFER_BYTES, encoding="ascii")
+        return path.open("w", encoding="ascii")
     except OSError as error:
         raise _refusal(path, error) from error
 

@@ -55,7 +55,8 @@ def read_header(file: BinaryIO, name: str) -> Header:
     found = _END.search(head)
     if not head.strip():
         raise TraceError(f"{name}: the file is empty; a VCD file begins with $timescale and $var.")
-    if head.lstrip()[:1] != b"$" or found is None:
+    # sigrok-cli may say something of its own in front of it.
+    if (b"$var" not in head and b"$timescale" not in head) or found is None:
         raise TraceError(
             f"{name}, line 1: this is no VCD file; it begins with a header that ends with"
             " $enddefinitions $end."

@@ -190,7 +190,7 @@ def test_a_disk_that_fills_up_ends_the_file_and_not_the_job(folder: Path) -> Non
     said = json.loads(done.stdout)
     assert said["position_mm"]["x"] == 40
     assert said["trace"]["failure"] == "File too large"
-    assert "job.vcd: the waveform ends after" in done.stderr
+    assert "job.vcd: the waveform ends soon after" in done.stderr
     assert "File too large; the job went on without it." in done.stderr
     # What is there can be read, to the moment that was said or nearly so.
     looked = run("trace", "job.vcd", "--json")
