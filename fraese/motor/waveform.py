@@ -142,8 +142,8 @@ class Waveform:
         """What became of it, for people."""
         if self.failure:
             return (
-                f"{self.path}: the waveform ends soon after {self.duration_s:.6g} s: {self.failure};"
-                " the job went on without it."
+                f"{self.path}: the waveform ends soon after {self.duration_s:.6g} s:"
+                f" {self.failure}; the job went on without it."
             )
         said = f"{self.path}: waveform of {self.duration_s:.6g} s, {self.changes} changes"
         return f"{said}; {self.missing} accesses are missing." if self.missing else f"{said}."
