@@ -64,7 +64,7 @@ def _of_simulation(config: Config) -> Iterator[tuple[str, str]]:
         return
     for true in true_axes(config):
         axis = config.axes.table[true.name]
-        ratio = true.units_per_step * axis.steps_per_unit() * (-1 if axis.inverted else 1)
+        ratio = true.ratio(axis)
         if ratio != 1:
             yield (
                 true.name,

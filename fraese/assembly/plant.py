@@ -11,10 +11,10 @@ import platformdirs
 
 from fraese.assembly.cards import CARDS
 from fraese.assembly.drivers import DRIVERS, ClockName, Order
+from fraese.assembly.meaning import meaning, still_meant
 from fraese.assembly.misfits import misfits
 from fraese.assembly.onlooker import MillOnlooker
 from fraese.assembly.tracing import Trace, wanted
-from fraese.assembly.trueaxis import true_axes
 from fraese.config import Config
 from fraese.control.controller import Controller
 from fraese.control.savedstate import StateFile
@@ -82,7 +82,7 @@ class Plant:
         also = {
             "simulation": simulation,
             "moving": moving,
-            "axes": _meaning(self.config, self.controller.machine),
+            "axes": meaning(self.config, self.controller.machine),
         }
         self.state_file.save(self.controller.keep().model_copy(update=also))
 
@@ -101,25 +101,6 @@ class Plant:
 def state_folder() -> Path:
     """The user's state folder."""
     return Path(platformdirs.user_state_dir("fraese"))
-
-
-def _meaning(config: Config, machine: Machine) -> tuple[str, ...]:
-    """What steps, phases and slack are counted in: a word per axis."""
-    table = config.card.table if config.card.kind == "smc1500" else ""
-    is_simulated = config.port.kind == "simulation"
-    return tuple(
-        f"{config.card.kind} {table} {axis.steps_per_mm} {axis.motor_sign} {axis.home_sign}"
-        f" {axis.low_mm} {axis.high_mm} {axis.backlash_steps}{other}"
-        + (f" on {true.in_words}" if is_simulated else "")
-        for axis, other, true in zip(machine.axes, _unusual(config), true_axes(config), strict=True)
-    )
-
-
-def _unusual(config: Config) -> list[str]:
-    """Name and socket of each axis, where they are not those of a mill of X, Y and Z."""
-    usual = [("x", 0), ("y", 1), ("z", 2)]
-    axes = list(zip(config.axes.names, config.axes.sockets, strict=True))
-    return ["" if axes == usual else f" {name} {socket}" for name, socket in axes]
 
 
 def assemble(
@@ -151,9 +132,9 @@ def assemble(
     state_file = StateFile(state) if state is not None else None
     notes = []
     kept = state_file.load(len(machine.axes)) if state_file is not None and not fresh else None
-    if kept is not None and kept.axes != _meaning(config, machine):
-        notes.append("The axes were configured otherwise before: the old position is forgotten.")
-        kept = None
+    if kept is not None:
+        kept, forgotten = still_meant(kept, config, machine)
+        notes += [forgotten] if forgotten else []
     if kept is not None:
         card.set_phases(kept.phases)
     kind = "simulation" if at_desk else config.port.kind

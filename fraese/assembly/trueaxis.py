@@ -82,6 +82,19 @@ class TrueAxis:
         turned = self.sense * self.sign * self.half_steps_per_step
         return turned / self.half_steps_per_unit
 
+    def ratio(self, axis: AxisConfig) -> Fraction:
+        """What its carriage does for each mm or degree that the axis is told; 1 is right."""
+        wanted = axis.steps_per_unit() * (-1 if axis.inverted else 1)
+        return self.units_per_step * wanted
+
+    def suits(self, axis: AxisConfig) -> bool:
+        """It is as the axis is configured: the same ways, the same travel, the same socket."""
+        return (
+            self.ratio(axis) == 1
+            and self.travel == (None if axis.travel is None else Fraction(axis.travel))
+            and self.socket == axis.motor - 1
+        )
+
     @property
     def in_words(self) -> str:
         """What gives the half-steps of its motor their meaning."""

@@ -306,7 +306,7 @@ def test_steps_in_a_turn_that_no_motor_has_with_this_table(kind: str) -> None:
 def test_a_mill_with_other_facts_is_a_new_one(tmp_path: Path) -> None:
     assemble(configured(), state=tmp_path).close()
     made = assemble(configured(simulation={"axes": {"x": {"pitch_mm": 5}}}), state=tmp_path)
-    assert "configured otherwise" in made.notes[0]
+    assert "the simulated mill as it was otherwise" in made.notes[0]
 
 
 def test_fine_steps_are_found_as_they_were_left(tmp_path: Path) -> None:

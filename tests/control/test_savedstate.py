@@ -99,6 +99,61 @@ def test_steps_of_another_machine_are_forgotten(tmp_path: Path, sections: dict[s
     assert made.controller.state().referenced == (False, False, False)
 
 
+EIGHTHS: dict[str, Any] = {
+    "card": {"kind": "stepdir"},
+    "axes": {name: {"steps_per_rev": 1600, "max_rate_hz": 8000} for name in "xyz"},
+}
+
+
+def make_older(folder: Path, half_steps_a_pulse: float) -> None:
+    """As files were before the simulated mill had facts of its own: pulses, and no word of it."""
+    older = kept(folder)
+    drives = older["axes"][0].startswith("stepdir")
+    older["axes"] = [word.partition(" on ")[0] for word in older["axes"]]
+    older["simulation"] = [
+        [position / half_steps_a_pulse, lost, 0.0 if drives else angle, slack / half_steps_a_pulse]
+        for position, lost, angle, slack in older["simulation"]
+    ]
+    (folder / "state.json").write_text(json.dumps(older))
+
+
+@pytest.mark.parametrize(
+    ("sections", "half_steps_a_pulse"), [({}, 1), (STEPDIR, 1), (EIGHTHS, 0.25)]
+)
+def test_an_older_file_is_taken_up_where_nothing_changed(
+    tmp_path: Path, sections: dict[str, Any], half_steps_a_pulse: float
+) -> None:
+    position, at = moved(tmp_path, **sections)
+    make_older(tmp_path, half_steps_a_pulse)
+    made = machine(tmp_path, **sections)
+    state = made.controller.state()
+    assert made.notes == ()
+    assert (state.position_steps, state.referenced) == (position, (True, True, True))
+    assert state.work_mm[0] == pytest.approx(2)
+    assert carriages(made) == at
+    made.controller.jog("x", -1)
+    assert made.controller.run() is Status.OK
+    assert carriages(made)[0] == at[0] - 200
+    assert look(made).lost_steps == (0, 0, 0)
+
+
+@pytest.mark.parametrize("older", [False, True])
+def test_of_a_simulated_mill_that_is_another_one_the_offsets_are_kept(
+    tmp_path: Path, older: bool
+) -> None:
+    moved(tmp_path)
+    offset_mm = kept(tmp_path)["parameters"]["5221"]
+    if older:
+        make_older(tmp_path, 1)
+    made = machine(tmp_path, simulation={"axes": {"x": {"pitch_mm": "5"}}})
+    state = made.controller.state()
+    assert "the simulated mill as it was otherwise" in made.notes[0]
+    assert "configured otherwise" not in "".join(made.notes)
+    assert (state.position_steps, state.referenced) == ((0, 0, 0), (False, False, False))
+    assert state.offset_mm[0] == pytest.approx(offset_mm)
+    assert offset_mm == pytest.approx(10.345)
+
+
 def test_feeds_and_rates_may_change_freely(tmp_path: Path) -> None:
     position, _ = moved(tmp_path)
     made = machine(tmp_path, axes={"x": {"max_rate_hz": 3000}}, jog={"feed_mm_min": 100})
