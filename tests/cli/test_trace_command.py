@@ -64,10 +64,10 @@ def test_a_lead_of_a_direction_is_found_and_shown(folder: Path) -> None:
     near = figures("job.vcd", "--around", f"{lead['at_s']:.9f}s", "--span", "4ms")
     assert near["to_s"] - near["from_s"] == pytest.approx(4e-3)
     assert near["set_ups"][0]["shortest_s"] == pytest.approx(lead["shortest_s"])
-    # The same by the edge of the line: it is its last one.
-    edges = near["lines"]["pin02_x_direction"]["edges"]
-    assert edges == 1
-    assert figures("job.vcd", "--around", "x_dir:2", "--span", "4ms")["lines"] == near["lines"]
+    # The same by the edge of the line, which is the last one until then.
+    until = figures("job.vcd", "--to", f"{lead['at_s']:.9f}s")["lines"]["pin02_x_direction"]
+    place = f"x_dir:{until['edges']}"
+    assert figures("job.vcd", "--around", place, "--span", "4ms")["lines"] == near["lines"]
     shown = run("trace", "job.vcd", "--around", "x_dir:2", "--span", "4ms", "--line", "x_")
     rows = [line for line in shown.stdout.splitlines() if line.startswith("pin0")][-2:]
     # In the middle one edge, high before it and low after it.
