@@ -221,6 +221,8 @@ def rows(long: bool) -> Iterator[Row]:
         ("four equal axes, paper profile", "30 kHz", paper, (4000,) * 4, 533),
         ("four axes, paper profile", "40 kHz wished", paper, (4000, 2472, 1528, 900), 400),
         ("four equal axes, paper profile", "", paper, (4000,) * 4, 400),
+        ("two axes, forward and back, paper profile", "40 kHz", paper, (4000, -4000, 0, 0), 400),
+        ("two axes, forward and back, paper profile", "", paper, (4000, -4000, 0, 0), 333),
         ("four axes, x4step profile", "20 kHz", x4step, (4000,) * 4, 800),
         ("three axes, phase card", "5 kHz", PHASES, (4000, 2472, 1528), 3200),
     )
