@@ -15,7 +15,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 from fraese.assembly.simulation import simulated_mill
-from fraese.assembly.tracing import LocalTrace, Trace, Wanted
+from fraese.assembly.tracing import LocalTrace, Trace, Wanted, closed_on_failure
 from fraese.config import Config
 from fraese.control.endswitches import contact_bits
 from fraese.control.savedstate import SavedState
@@ -193,17 +193,19 @@ def _on_bridge(order: Order) -> Made:
     device = port.device or only_candidate(serial_ports())
     clock = MonotonicClock()
     waveform = order.trace.begin() if order.trace else None
-    driver: StepDriver = BridgeDriver(
-        partial(SerialLine, device, port.baud),
-        order.card,
-        clock,
-        switch=order.switch,
-        settle_s=order.settle_s,
-        safe_outputs=order.safe_outputs,
-        silence_s=order.config.realtime.silent_s,
-        name=device,
-        baud=port.baud,
-    )
+    driver: StepDriver
+    with closed_on_failure(waveform):
+        driver = BridgeDriver(
+            partial(SerialLine, device, port.baud),
+            order.card,
+            clock,
+            switch=order.switch,
+            settle_s=order.settle_s,
+            safe_outputs=order.safe_outputs,
+            silence_s=order.config.realtime.silent_s,
+            name=device,
+            baud=port.baud,
+        )
     trace = None
     if waveform is not None:
         driver, trace = planned_driver(

@@ -9,7 +9,8 @@
 Another card is a row in ``MEANINGS``.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Protocol
@@ -120,6 +121,17 @@ def wanted(config: Config, path: Path | None) -> Wanted | None:
     if path is None:
         return None
     return Wanted(path, "port", MEANINGS[config.card.kind](config))
+
+
+@contextmanager
+def closed_on_failure(waveform: Waveform | None) -> Iterator[None]:
+    """What is driven cannot be opened: then there is no waveform of it."""
+    try:
+        yield
+    except BaseException:
+        if waveform is not None:
+            waveform.close(0)
+        raise
 
 
 class LocalTrace:

@@ -105,6 +105,8 @@ class Place:
                 return Session(plant, as_json=self.as_json).do(action)
             except BaseException:
                 plant.close()
+                if plant.trace is not None and not plant.trace.waveform.is_whole:
+                    note(plant.trace.waveform.sentence())
                 raise
 
         leave(go, self.as_json)

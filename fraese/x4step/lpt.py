@@ -241,16 +241,18 @@ def _on_bridge(wanted: Wanted) -> Opened:
     device = port.device or only_candidate(serial_ports())
     clock = MonotonicClock()
     waveform = wanted.waveform.begin() if wanted.waveform else None
-    driver: StepDriver = BridgeDriver(
-        partial(SerialLine, device, port.baud),
-        x4step_card(port),
-        clock,
-        switch=NO_SWITCH,
-        settle_s=0.0,
-        silence_s=wanted.config.realtime.silent_s,
-        name=device,
-        baud=port.baud,
-    )
+    driver: StepDriver
+    with tracing.closed_on_failure(waveform):
+        driver = BridgeDriver(
+            partial(SerialLine, device, port.baud),
+            x4step_card(port),
+            clock,
+            switch=NO_SWITCH,
+            settle_s=0.0,
+            silence_s=wanted.config.realtime.silent_s,
+            name=device,
+            baud=port.baud,
+        )
     trace = None
     if waveform is not None:
         driver, trace = planned_driver(driver, waveform, x4step_card(port), clock)

@@ -71,6 +71,7 @@ class X4Step:
             self._owner = self._owned(around)
         except BaseException:
             self._opened.driver.close()
+            self._opened.let_go(surroundings.complain)
             raise
         self.brake_codes(())
         lifeline.hold(self)
