@@ -148,6 +148,13 @@ class Overrides:
 
 
 @dataclass(frozen=True, slots=True)
+class Offsets:
+    """Work coordinates change here; no line is merged over it. Moves are in machine coordinates."""
+
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
 class End:
     """M2, M30, the closing percent sign, or the end of the file."""
 
@@ -167,6 +174,7 @@ Move = (
     | Message
     | PathControl
     | Overrides
+    | Offsets
     | End
 )
 BARRIERS: frozenset[type] = frozenset({Probe, Tool, Pause})

@@ -20,6 +20,7 @@ from fraese.gcode.canon import (
     Feed,
     Message,
     Move,
+    Offsets,
     Probe,
     Rapid,
 )
@@ -103,7 +104,8 @@ class Interpreter:
 
     def _lines(self) -> Generator[Move, Facts | None, None]:
         flow = self._flow
-        motion = self._motion
+        motion, parameters = self._motion, self.parameters
+        changes = parameters.changes
         percent = False
         blank = True
         while not self._outputs.ended:
@@ -120,6 +122,9 @@ class Interpreter:
             if percent and text.strip() == "%":
                 break
             for move in self._line(text):
+                if parameters.changes != changes:
+                    changes = parameters.changes
+                    yield Offsets(motion.line)
                 facts = yield move
                 if type(move) in BARRIERS:
                     self._answer(move, facts)

@@ -8,6 +8,7 @@ from fraese.gcode.canon import (
     Feed,
     Message,
     Move,
+    Offsets,
     Overrides,
     PathControl,
     Pause,
@@ -31,7 +32,7 @@ _KINDS: dict[type, str] = {
     End: "end",
 }
 # What is said to the operator or to the planner, and moves nothing.
-_SILENT = (Message, PathControl, Overrides)
+_SILENT = (Message, PathControl, Overrides, Offsets)
 
 
 def as_dict(move: Move) -> Json | None:

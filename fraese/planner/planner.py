@@ -233,8 +233,7 @@ class Planner:
 
     def outputs(self, mask: int, value: int) -> Sequence[Block]:
         """Change free outputs at the first tick of the next move, without stopping for it."""
-        self._require_taken()
-        blocks = list(self._end_chain() or ())
+        blocks = self.end_line()
         if self._targets.outputs is not None:
             before, was = self._targets.outputs
             value = was & ~mask | value & mask
@@ -252,9 +251,8 @@ class Planner:
         Raises:
             ValueError: if the mode is unknown.
         """
-        self._require_taken()
         wanted = PathMode(mode)
-        blocks = list(self._end_chain() or ())
+        blocks = self.end_line()
         self._exact_stop = self._targets.exact_stop = wanted is PathMode.EXACT_STOP
         self._tolerance_mm = tolerance_mm if wanted is PathMode.BLEND else 0.0
         return blocks
@@ -270,8 +268,7 @@ class Planner:
 
         The next move goes on from there, from the start/stop rate.
         """
-        self._require_taken()
-        blocks = list(self._end_chain() or ())
+        blocks = list(self.end_line())
         return blocks + self._window.settle(everything=True)
 
     def finish(self) -> Sequence[Block]:
@@ -283,10 +280,14 @@ class Planner:
         self._window.stand()
         return blocks
 
+    def end_line(self) -> Sequence[Block]:
+        """Merge no point over here; the motion goes on as it was."""
+        self._require_taken()
+        return list(self._end_chain() or ())
+
     def allow_override(self, allowed: bool) -> Sequence[Block]:
         """M48 and M49: whether an override acts on the feeds of the moves from here on."""
-        self._require_taken()
-        blocks = list(self._end_chain() or ())
+        blocks = self.end_line()
         self._keeps_feed = self._targets.keeps_feed = not allowed
         return blocks
 

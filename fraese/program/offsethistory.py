@@ -39,16 +39,15 @@ class OffsetHistory:
     def watch(self, moves: Moves) -> Moves:
         """Pass everything on, both ways; note changes."""
         facts: canon.Facts | None = None
-        changes = self._source.changes
         while True:
             try:
                 move = moves.send(facts)
             except StopIteration:
                 return
-            if self._source.changes != changes:
-                changes = self._source.changes
-                self._note(self._controller.blocks_pushed() + self._planner.pending)
             facts = yield move
+            if type(move) is canon.Offsets:
+                # Now no line waits to be merged: every segment is one block.
+                self._note(self._controller.blocks_pushed() + self._planner.pending)
 
     def _note(self, blocks: int) -> None:
         self._entries = (*self._from_here(), (blocks, self._now()))

@@ -82,11 +82,6 @@ class ProgramSource:
         return self._interpreter.frame
 
     @property
-    def changes(self) -> int:
-        """Counts the changes of those."""
-        return self._interpreter.parameters.changes
-
-    @property
     def modal(self) -> Modal:
         """What else is in force there; changes with the next line."""
         return self._interpreter.modal

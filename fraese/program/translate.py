@@ -99,6 +99,10 @@ class Translation:
         yield from _each(self.planner.allow_override(move.enabled))
         return None
 
+    def _offsets(self, _move: canon.Offsets) -> Part:
+        yield from _each(self.planner.end_line())
+        return None
+
     def _end(self, move: canon.End) -> Part:
         yield from _each(self.planner.drain())
         return None
@@ -241,6 +245,7 @@ _ROWS: Final[dict[type, Callable[[Translation, Any], Part]]] = {
     canon.Dwell: Translation._dwell,
     canon.PathControl: Translation._path_control,
     canon.Overrides: Translation._overrides,
+    canon.Offsets: Translation._offsets,
     canon.Spindle: Translation._spindle,
     canon.Coolant: Translation._coolant,
     canon.Pause: Translation._pause,

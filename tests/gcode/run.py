@@ -4,7 +4,7 @@ from collections.abc import Generator
 from pathlib import Path
 from typing import Any
 
-from fraese.gcode.canon import Facts, Move
+from fraese.gcode.canon import Facts, Move, Offsets
 from fraese.gcode.coordlist import read_points
 from fraese.gcode.interpreter import Interpreter, interpret
 from fraese.gcode.reader import kind_of
@@ -13,12 +13,17 @@ from fraese.gcode.text import read_lines
 
 
 def moves(text: str, **setup: Any) -> list[Move]:
-    """All moves of a program whose lines are divided by ``|`` or line ends."""
+    """All moves of a program whose lines are divided by ``|`` or line ends; no word of offsets."""
+    return [move for move in marked(text, **setup) if not isinstance(move, Offsets)]
+
+
+def marked(text: str, **setup: Any) -> list[Move]:
+    """The same, and where offsets change."""
     return list(interpret(_lines(text), Setup(**setup)))
 
 
 def answered(text: str, *answers: Facts | None, **setup: Any) -> tuple[list[Move], Interpreter]:
-    """All moves, with answers to its barriers in turn."""
+    """All moves but the words of offsets, with answers to its barriers in turn."""
     interpreter = Interpreter(Setup(**setup))
     run = interpreter.run(_lines(text))
     left = list(answers)
@@ -27,7 +32,8 @@ def answered(text: str, *answers: Facts | None, **setup: Any) -> tuple[list[Move
     try:
         while True:
             move = run.send(answer)
-            result.append(move)
+            if not isinstance(move, Offsets):
+                result.append(move)
             answer = None
             if type(move).__name__ in ("Probe", "Tool", "Pause") and left:
                 answer = left.pop(0)

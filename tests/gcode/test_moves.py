@@ -14,6 +14,7 @@ from fraese.gcode.canon import (
     Facts,
     Feed,
     Message,
+    Offsets,
     Overrides,
     PathControl,
     PathMode,
@@ -25,7 +26,7 @@ from fraese.gcode.canon import (
 )
 from fraese.gcode.interpreter import Interpreter, interpret
 from fraese.gcode.setup import Setup, ToolData
-from tests.gcode.run import answered, moves
+from tests.gcode.run import answered, marked, moves
 
 
 def test_positions_are_machine_millimetres() -> None:
@@ -34,6 +35,19 @@ def test_positions_are_machine_millimetres() -> None:
         Feed(3, (50.8, 25.4, 5), 254),
         End(3),
     ]
+
+
+@pytest.mark.parametrize(
+    "change", ["g55", "g10 l2 p1 x1", "g10 l2 p1 r30", "g92 x3", "#5221 = 4", "t2 m6", "m61 q2"]
+)
+def test_a_change_of_offsets_is_told_before_the_next_move(change: str) -> None:
+    told = marked(f"g0 x1 | x2 | {change} | #100 = 7 | g0 z3 | x4 | m2")
+    at = next(number for number, move in enumerate(told) if isinstance(move, Offsets))
+    assert [move for move in told[:at] if isinstance(move, Rapid)][-1] == Rapid(2, (2, 0, 0))
+    assert told[at + 1].line == 5
+    # The end of a program gives back what it has changed.
+    rest = [move for move in told[at + 1 :] if isinstance(move, Offsets)]
+    assert rest == ([Offsets(7)] if change == "g55" else [])
 
 
 def test_feed_in_front_of_units_on_one_line_counts_in_the_old_ones() -> None:
@@ -214,7 +228,7 @@ def test_changed_parameters_can_be_kept() -> None:
     assert kept[5220] == 1
     assert kept[5241] == 3
     assert (kept[5210], kept[5212]) == (1, -4)
-    again = list(interpret(["g55 g0 x0 y0"], Setup(parameters=kept)))
+    again = moves("g55 g0 x0 y0", parameters=kept)
     assert again[0] == Rapid(1, (3, -4, 0))
 
 

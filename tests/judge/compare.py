@@ -45,7 +45,8 @@ def our_verdict(text: str, tools: dict[int, float] | None = None, **setup: Any) 
                 at = answer.position_mm
             elif isinstance(move, canon.Rapid | canon.Feed | canon.Arc):
                 at = move.to
-            verdict.events.append(_event(move))
+            if not isinstance(move, canon.Offsets):
+                verdict.events.append(_event(move))
     except StopIteration:
         return verdict
     except ProgramError as error:
@@ -85,6 +86,8 @@ def _event(move: canon.Move) -> Event:
             return "message", said.strip().replace("-0.0000", "0.0000")
         case canon.PathControl(_, mode, tolerance_mm):
             return "path", str(mode), tolerance_mm
+        case canon.Offsets():
+            raise AssertionError("rs274 says its own numbers; ours are the machine's")
         case canon.Overrides(_, enabled):
             return "overrides", enabled
         case canon.End():

@@ -82,7 +82,9 @@ def _on_metal_in(clock: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """What is metal elsewhere is simulated here, and so is its time."""
     monkeypatch.setattr(drivers, "MonotonicClock", lambda: clock)
     monkeypatch.setattr(
-        drivers, "on_metal", lambda driver, its_clock: drivers.Made(driver, its_clock, 0.02)
+        drivers,
+        "on_metal",
+        lambda driver, its_clock, trace=None: drivers.Made(driver, its_clock, 0.02, trace=trace),
     )
 
 

@@ -341,6 +341,33 @@ def test_a_work_zero_moves_when_the_motors_come_to_it(tmp_path: Path, slices: in
     assert state.offset_mm[0] == pytest.approx(0.2 * lines_done)
 
 
+@pytest.mark.parametrize("slices", [10, 25, 50])
+@pytest.mark.parametrize("change", ["G55", "G92 X1", "G10 L2 P1 R45", "G10 L20 P1 X0"])
+def test_offsets_behind_a_merged_line_wait_for_its_end(
+    tmp_path: Path, change: str, slices: int
+) -> None:
+    """A line that is merged from points becomes many blocks, and one more for the backlash."""
+    made = homed(axes=axes(backlash_mm="0.05"), simulation={"backlash_mm": 0.05})
+    controller = made.controller
+    before = controller.state()
+    after_slices(controller, slices, controller.cancel)
+    text = f"G64 P0.01\nG1 X30 F600\nX60\n{change}\nG1 X80 Y60\nM2\n"
+    assert run_program(made, program(tmp_path, text)) is Status.CANCEL
+    state = controller.state()
+    assert 5 < state.position_mm[0] < 59.5
+    assert state.work == before.work
+
+
+def test_offsets_in_the_middle_of_a_straight_way_change_there(tmp_path: Path) -> None:
+    made = homed()
+    controller = made.controller
+    text = "G64 P0.01\nG1 X10 F600\nG10 L20 P1 X0\nG1 X20\nM2\n"
+    after_slices(controller, 25, controller.cancel)
+    assert run_program(made, program(tmp_path, text)) is Status.CANCEL
+    assert 11 < controller.state().position_mm[0] < 30
+    assert controller.state().offset_mm[0] == pytest.approx(10)
+
+
 # --- probing -------------------------------------------------------------------------------------
 
 
