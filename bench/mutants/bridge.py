@@ -188,7 +188,7 @@ MUTANTS: Final = (
         _B + "outbox.py",
         "        self._horizon.reset()\n",
         "        pass\n",
-        tests_of("bridge/test_driver.py", "TestQueue"),
+        ("tests/bridge/test_outbox.py",),
     ),
     Mutant(
         "bridge/records: the start/stop rate is the block's own",
