@@ -26,6 +26,11 @@ Millimetres = tuple[float, ...]
 _MOST_STEPS: Final = 1_000_000_000
 
 
+def three_decimals(value: float) -> str:
+    """A position as it is shown everywhere; never minus nil."""
+    return f"{round(value, 3) + 0.0:.3f}"
+
+
 @dataclass(frozen=True, slots=True)
 class Axis:
     """One axis.
@@ -174,7 +179,7 @@ class Machine:
             more_mm = axis.unit == "mm" and any(
                 next_.unit == "mm" for next_ in self.axes[place:][:1]
             )
-            number = f"{value:.3f}"
+            number = three_decimals(value)
             words.append(f"{axis.name.upper()} {number if more_mm else axis.with_unit(number)}")
         return " ".join(words)
 

@@ -43,6 +43,9 @@ PERSISTENT: Final = (
     *range(TOOL_NUMBER, TOOL_OFFSET + len(LETTERS)),
 )
 
+#: Cosine and sine of 0, 90, 180 and 270 degrees.
+_RIGHT_ANGLES: Final = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
+
 Kept = Mapping[int, float]
 
 
@@ -91,9 +94,8 @@ class WorkFrame:
         turn = None
         shift = _sum(self.offset, self.tool)
         if self.rotation_deg and "x" in self.axes and "y" in self.axes:
-            angle = math.radians(self.rotation_deg)
             at = self.axes.index("x"), self.axes.index("y")
-            turn = *at, math.cos(angle), math.sin(angle)
+            turn = *at, *_cosine_and_sine(self.rotation_deg)
         else:
             shift = _sum(shift, self.g92)
         object.__setattr__(self, "_shift", shift)
@@ -148,8 +150,9 @@ class WorkFrame:
         x, y, cosine, sine = self._turn
         sine *= sense
         result = list(way)
-        result[x] = way[x] * cosine - way[y] * sine
-        result[y] = way[x] * sine + way[y] * cosine
+        # A product with an exact 0 may be -0; with +0 added it is not.
+        result[x] = way[x] * cosine - way[y] * sine + 0.0
+        result[y] = way[x] * sine + way[y] * cosine + 0.0
         return tuple(result)
 
     # --- facts ---------------------------------------------------------------------------------
@@ -177,6 +180,15 @@ class WorkFrame:
 
 def _sum(a: Point, b: Point) -> Point:
     return tuple(map(add, a, b))
+
+
+def _cosine_and_sine(angle_deg: float) -> tuple[float, float]:
+    """Exact for right angles, which are what work is mostly turned by."""
+    quarters = angle_deg / 90
+    if quarters.is_integer():
+        return _RIGHT_ANGLES[int(quarters) % 4]
+    angle = math.radians(angle_deg)
+    return math.cos(angle), math.sin(angle)
 
 
 def _difference(a: Point, b: Point) -> Point:

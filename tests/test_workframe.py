@@ -47,6 +47,26 @@ def test_only_what_is_said_to_move_does(frame: WorkFrame, data: st.DataObject) -
     assert moved <= frame.moved_with(letter)
 
 
+@pytest.mark.parametrize(
+    ("angle_deg", "there"),
+    [
+        (90, (-2, 10, 3)),
+        (-270, (-2, 10, 3)),
+        (180, (-10, -2, 3)),
+        (-90, (2, -10, 3)),
+        (450.0, (-2, 10, 3)),
+        (360, (10, 2, 3)),
+    ],
+)
+def test_a_right_angle_leaves_no_remains(angle_deg: float, there: tuple[float, ...]) -> None:
+    frame = WorkFrame("xyz", (0, 0, 0), (0, 0, 0), (0, 0, 0), angle_deg)
+    assert frame.to_machine((10, 2, 3)) == there
+    assert frame.to_work(there) == (10, 2, 3)
+    for point in ((0.0, 0.0, 0.0), (10.0, 0.0, 0.0), (0.0, 10.0, 0.0)):
+        values = (*frame.to_machine(point), *frame.to_work(point))
+        assert "-0.0" not in map(str, values)
+
+
 def test_turned_first_then_shifted() -> None:
     frame = WorkFrame("xyz", (100, 40, -5), (2, 0, 0), (0, 0, 3), 90)
     assert frame.to_machine((10, 1, 0)) == pytest.approx((99, 52, -2))

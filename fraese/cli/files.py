@@ -13,7 +13,7 @@ from fraese.cli.shared import ConfigOption, FileArgument, StartingPlace, leave, 
 from fraese.config import file as configuration
 from fraese.errors import UsageError
 from fraese.gcode.jsonl import as_dict
-from fraese.machine import Machine
+from fraese.machine import Machine, three_decimals
 from fraese.program import open_program
 from fraese.program.check import Facts, check_program
 from fraese.program.context import ProgramContext
@@ -76,7 +76,7 @@ def _print_facts(file: Path, facts: Facts, machine: Machine) -> None:
         note(f"{file}, {warning}")
     if facts.low_mm is not None and facts.high_mm is not None:
         for axis, low, high in zip(machine.axes, facts.low_mm, facts.high_mm, strict=True):
-            reach = axis.with_unit(f"{low:10.3f} to {high:10.3f}")
+            reach = axis.with_unit(f"{three_decimals(low):>10} to {three_decimals(high):>10}")
             print(f"{axis.name.upper()} {reach} (machine)")
     minutes, seconds = divmod(facts.duration_s, 60)
     print(

@@ -20,7 +20,7 @@ from typing import Any, Final
 
 from fraese.assembly import Plant
 from fraese.control.controller import Controller
-from fraese.control.state import MachineState, Status
+from fraese.control.state import MachineState, Status, three_decimals
 from fraese.control.switchtest import SwitchTest
 from fraese.errors import Cancelled, FraeseError
 
@@ -160,7 +160,8 @@ class Session:
         state = self._controller.state()
         job = state.job
         where = " ".join(
-            f"{name.upper()}{mm:9.3f}" for name, mm in zip(state.axes, state.work_mm, strict=True)
+            f"{name.upper()}{three_decimals(mm):>9}"
+            for name, mm in zip(state.axes, state.work_mm, strict=True)
         )
         line = f"line {job.line}/{job.lines}  " if job and job.lines else ""
         elapsed = f"{job.elapsed_s:8.1f} s" if job else ""

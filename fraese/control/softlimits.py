@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 from fraese.blocks import OVERRIDES
 from fraese.control.position import Position
 from fraese.errors import LimitError
-from fraese.machine import Axis, Machine, Steps
+from fraese.machine import Axis, Machine, Steps, three_decimals
 from fraese.workframe import WorkFrame
 
 
@@ -132,13 +132,14 @@ def _outside(axis: Axis, value_mm: float, frame: WorkFrame) -> str:
     # A turned axis has no travel of its own: it depends on where the other one stands.
     own = frame.moved_with(axis.name) == {axis.name}
     work = (
-        f" (work {axis.low_mm - offset_mm:.3f} to {axis.high_mm - offset_mm:.3f})"
+        f" (work {three_decimals(axis.low_mm - offset_mm)} to"
+        f" {three_decimals(axis.high_mm - offset_mm)})"
         if offset_mm and own
         else ""
     )
     return (
-        f"{name} {axis.with_unit(f'{value_mm:.3f}')} is outside the travel, {axis.low_mm:g} to"
-        f" {axis.with_unit(axis.high_mm)} in machine coordinates{work}."
+        f"{name} {axis.with_unit(three_decimals(value_mm))} is outside the travel,"
+        f" {axis.low_mm:g} to {axis.with_unit(axis.high_mm)} in machine coordinates{work}."
     )
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from fraese.blocks import OVERRIDES as OVERRIDES
+from fraese.machine import three_decimals as three_decimals
 from fraese.workframe import SYSTEMS, WorkFrame
 
 

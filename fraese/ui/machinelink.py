@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from textual.message import Message
 
 from fraese.control.controller import Controller
-from fraese.control.state import OVERRIDES, MachineState, Status
+from fraese.control.state import OVERRIDES, MachineState, Status, three_decimals
 from fraese.control.worker import Command, Worker
 from fraese.ui.feed import StateFeed
 from fraese.ui.jogging import Jog, Jogger
@@ -201,7 +201,7 @@ class MachineLink:
     def _position_words(self, state: MachineState, names: Sequence[str]) -> str:
         """In work coordinates; the unit once where it is the same for all."""
         chosen = [(axis, i) for i, axis in enumerate(self.shape.axes) if axis.name in names]
-        numbers = [f"{axis.letter} {state.work_mm[i]:.3f}" for axis, i in chosen]
+        numbers = [f"{axis.letter} {three_decimals(state.work_mm[i])}" for axis, i in chosen]
         if not any(axis.turns for axis, _ in chosen):
             return " ".join(numbers) + " mm"
         return " ".join(

@@ -60,6 +60,16 @@ def test_the_result_has_the_keys_that_were_agreed(shop: Shop) -> None:
     assert values["blocks"] == 1
 
 
+def test_a_right_angle_leaves_no_remains(shop: Shop) -> None:
+    shop.run("home")
+    result = shop.run("run", shop.file("G10 L2 P1 X10 Y30 R-90\nG0 X10 Y5\nX20 Y0\nM2\n"))
+    assert result.exit_code == 0, result.output
+    values = shop.json("where")
+    assert values["position_mm"] == {"x": 10, "y": 10, "z": 0}
+    assert str(values["work_mm"]) == "{'x': 20.0, 'y': 0.0, 'z': 0.0}"
+    assert "X 20.000 Y 0.000 Z 0.000 mm" in shop.run("where").output
+
+
 def test_home_and_then_run_are_two_commands_on_one_machine(shop: Shop) -> None:
     part = shop.file("G0 X20 Y10\nG1 X0 F600\nM2\n")
     assert shop.json("home")["position_steps"] == {"x": 0, "y": 0, "z": 0}

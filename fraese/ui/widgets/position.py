@@ -6,17 +6,12 @@ from typing import Final
 from textual.app import ComposeResult
 from textual.containers import Container, Horizontal, Vertical
 
-from fraese.control.state import MachineState
+from fraese.control.state import MachineState, three_decimals
 from fraese.ui.shape import AxisShape, Shape
 from fraese.ui.widgets.big import BigNumber
 from fraese.ui.widgets.fact import Fact, Number
 
 _COLUMNS: Final = ("work", "machine", "steps")
-
-
-def three_decimals(position: float) -> str:
-    """Never minus nil."""
-    return f"{round(position, 3) + 0.0:.3f}"
 
 
 class AxisRow(Vertical):
