@@ -18,6 +18,7 @@ from typing import Final, Literal
 from fraese.config import Config
 from fraese.config.axes import VERTICAL
 from fraese.config.axis import AxisConfig
+from fraese.feedway import groups_of
 
 Steps = tuple[int, ...]
 Millimetres = tuple[float, ...]
@@ -182,6 +183,14 @@ class Machine:
             number = three_decimals(value)
             words.append(f"{axis.name.upper()} {number if more_mm else axis.with_unit(number)}")
         return " ".join(words)
+
+    def unit_of_way(self, steps: Steps) -> str:
+        """What a feed of these steps counts: "mm", or "°" where only rotary axes count."""
+        for group in groups_of(self.names):
+            units = {self.axes[at].unit for at in group if steps[at]}
+            if units:
+                return "°" if units == {"°"} else "mm"
+        return "mm"
 
     def to_steps(self, position_mm: Millimetres) -> Steps:
         """Nearest steps of every axis."""

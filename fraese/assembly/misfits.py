@@ -68,8 +68,22 @@ def _of_simulation(config: Config) -> Iterator[tuple[str, str]]:
         if ratio != 1:
             yield (
                 true.name,
-                f"1 {true.unit} becomes {float(ratio):.4g} {true.unit} on the simulated mill"
+                f"{true.with_unit(1)} becomes {true.with_unit(ratio)} on the"
+                " simulated mill"
                 f" ({', '.join(_differences(true, axis))}; see simulation.axes)",
+            )
+        if true.travel is not None and true.travel != axis.travel:
+            configured = "endless" if axis.travel is None else f"{float(axis.travel):g}"
+            yield (
+                true.name,
+                f"travel_{axis.key_unit} {configured}, really {float(true.travel):g} on the"
+                " simulated mill (see simulation.axes)",
+            )
+        if config.card.kind != "stepdir" and config.simulation.own(true.name).microsteps:
+            yield (
+                true.name,
+                "microsteps in simulation.axes has no effect: steps are made by card.table on"
+                f" {config.card.kind}",
             )
         if axis.motor - 1 != true.socket:
             yield (

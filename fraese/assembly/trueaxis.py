@@ -82,6 +82,11 @@ class TrueAxis:
         turned = self.sense * self.sign * self.half_steps_per_step
         return turned / self.half_steps_per_unit
 
+    def with_unit(self, number: float | Fraction) -> str:
+        """A number as people write it: 12.5 mm, 90°."""
+        space = "" if self.unit == "°" else " "
+        return f"{float(number):.4g}{space}{self.unit}"
+
     def ratio(self, axis: AxisConfig) -> Fraction:
         """What its carriage does for each mm or degree that the axis is told; 1 is right."""
         wanted = axis.steps_per_unit() * (-1 if axis.inverted else 1)

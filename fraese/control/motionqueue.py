@@ -49,6 +49,7 @@ class MotionQueue:
         blocks: blocks of this job pushed so far, without what was taken back.
         finished: blocks of this job that were played to their end.
         is_fresh: nothing was pushed since that report.
+        speed_unit: what the speed along the path is in, "mm" or "°"; a second.
     """
 
     report: Report
@@ -61,6 +62,7 @@ class MotionQueue:
         self.is_fresh = True
         self._queue: deque[_Queued] = deque()
         self._mm_per_tick = 0.0
+        self.speed_unit = "mm"
         self._finished_before = self._serial_at_start = 0
 
     def open(self) -> None:
@@ -155,6 +157,8 @@ class MotionQueue:
             self._position.at_rest(counted_steps)
             self._queue.clear()
         self._mm_per_tick = self._queue[0].mm_per_tick if self._queue else 0.0
+        if self._queue:
+            self.speed_unit = self._position.machine.unit_of_way(self._queue[0].block.steps)
         self._position.seen(counted_steps)
 
     # --- facts ---------------------------------------------------------------------------------
@@ -174,5 +178,5 @@ class MotionQueue:
 
     @any_thread
     def mm_s(self) -> float:
-        """Speed along the path now; 0 at standstill."""
+        """Speed along the path now, in ``speed_unit``; 0 at standstill."""
         return self.report.rate_hz * self._mm_per_tick

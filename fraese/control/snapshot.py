@@ -54,6 +54,7 @@ def snapshot(
         low_mm=tuple(axis.low_mm for axis in axes),
         high_mm=tuple(axis.high_mm for axis in axes),
         speed_mm_min=queue.mm_s() * 60,
+        speed_unit=queue.speed_unit,
         running=report.running,
         held=loop.runner.held and loop.status is Status.RUN,
         energised=report.energised,

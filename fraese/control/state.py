@@ -109,6 +109,7 @@ class MachineState:
         low_mm: soft limits; they count for a referenced axis; infinite on an endless one.
         high_mm: likewise.
         speed_mm_min: along the path, now.
+        speed_unit: of the path: "mm", or "°" where only rotary axes move; a minute.
         running: steps are being made.
         held: feed hold: the motors stand, the job waits.
         energised: the coils have full current.
@@ -141,6 +142,7 @@ class MachineState:
     low_mm: tuple[float, ...]
     high_mm: tuple[float, ...]
     speed_mm_min: float = 0.0
+    speed_unit: str = "mm"
     running: bool = False
     held: bool = False
     energised: bool = False

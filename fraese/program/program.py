@@ -151,16 +151,28 @@ class Program:
         context = ProgramContext.of(controller)
         source = ProgramSource(self.path, context)
         said = [f"{self.name} from line {from_line}:"]
+        here = context.start_mm
         for move in skip_to(source.moves(), from_line, context.safe_height(), source):
-            said.append("  " + in_words(move, context.machine))
+            unit = "mm"
+            if isinstance(move, canon.Rapid | canon.Feed):
+                unit = "°" if source.axes.way(here, move.to).is_angle else "mm"
+                here = move.to
+            said.append("  " + in_words(move, context.machine, unit))
             if isinstance(move, canon.Feed) or move.line > from_line:
                 break
         modal, frame = source.modal, WorkFacts.of(source.frame, 0)
         said.append(
-            f"  then the program, with feed {modal.feed_mm_min:g} mm/min, tool {modal.tool},"
+            f"  then the program, with feed {_feed_in_words(source)}, tool {modal.tool},"
             f" plane G{modal.plane}, work offset {frame.system}{frame.more()}"
         )
         return said
+
+
+def _feed_in_words(source: ProgramSource) -> str:
+    """The feed in force; where there are rotary axes, it is one of degrees for them."""
+    modal = source.modal
+    said = f"{modal.feed_mm_min:g} mm/min"
+    return said if source.axes.only_linear else f"{said} or {modal.feed_word:g} °/min"
 
 
 def _frame_of(

@@ -82,13 +82,11 @@ def _way_to(
     yield canon.Feed(line, to, source.modal.feed_mm_min or source.default_feed_mm_min)
 
 
-def in_words(move: canon.Move, machine: Machine) -> str:
-    """A move on that way, for people."""
+def in_words(move: canon.Move, machine: Machine, unit: str) -> str:
+    """A move on that way, for people; its feed counts along mm or degrees."""
     if isinstance(move, canon.Rapid | canon.Feed):
-        where = " ".join(
-            f"{name.upper()}{value:.3f}" for name, value in zip(machine.names, move.to, strict=True)
-        )
-        how = f"feed {move.feed_mm_min:g} mm/min" if isinstance(move, canon.Feed) else "rapid"
+        where = machine.in_words(move.to)
+        how = f"feed {move.feed_mm_min:g} {unit}/min" if isinstance(move, canon.Feed) else "rapid"
         return f"{how} to {where} (machine)"
     if isinstance(move, canon.Spindle):
         return f"spindle {'on' if move.direction else 'off'}, {move.rev_min:g} rev/min"

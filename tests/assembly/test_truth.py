@@ -319,3 +319,35 @@ def test_fine_steps_are_found_as_they_were_left(tmp_path: Path) -> None:
     state = moved(found, x=2)
     assert state.carriages_mm[0] == 150
     assert json.loads((tmp_path / "state.json").read_text())["simulation"]
+
+
+ROTARY: dict[str, Any] = {
+    "card": {"kind": "stepdir"},
+    "axes": {"names": ["x", "a"], "a": {"gear": "90"}},
+}
+
+
+@pytest.mark.parametrize(
+    ("sections", "said"),
+    [
+        (
+            {"simulation": {"axes": {"x": {"travel_mm": "100"}}}},
+            "X: travel_mm 300, really 100 on the simulated mill (see simulation.axes).",
+        ),
+        (
+            {"simulation": {"axes": {"x": {"microsteps": 3}}}},
+            "X: microsteps in simulation.axes has no effect: steps are made by card.table on"
+            " smc1500.",
+        ),
+        (
+            ROTARY,
+            "A: 1° becomes 90° on the simulated mill (gear 90, really 1; see simulation.axes).",
+        ),
+        (
+            {**ROTARY, "simulation": {"axes": {"a": {"gear": "90", "travel_deg": "90"}}}},
+            "A: travel_deg endless, really 90 on the simulated mill (see simulation.axes).",
+        ),
+    ],
+)
+def test_every_disagreement_is_said_beforehand(sections: dict[str, Any], said: str) -> None:
+    assert misfits(configured(**sections)) == (said,)

@@ -253,7 +253,7 @@ def test_from_line_says_what_it_will_do(shop: Shop) -> None:
     path = shop.file("G0 Z-2\nX10\nG1 Z-5 F120\nX20\nX30\nM2\n")
     result = shop.run("run", path, "--from-line", 5, "--yes")
     assert result.exit_code == 0
-    assert "rapid to X20.000 Y0.000 Z0.000 (machine)" in result.stderr
+    assert "rapid to X 20.000 Y 0.000 Z 0.000 mm (machine)" in result.stderr
     assert shop.json("where")["position_mm"] == {"x": 30, "y": 0, "z": -5}
 
 

@@ -65,8 +65,8 @@ def test_a_plotter_draws_arcs_and_drives_round_its_frame(tmp_path: Path) -> None
     assert made.controller.run() is Status.OK
     assert made.controller.state().position_mm == (10, 10)
     assert part.way_from(made.controller, 3)[1:3] == [
-        "  rapid to X20.000 Y10.000 (machine)",
-        "  feed 600 mm/min to X20.000 Y10.000 (machine)",
+        "  rapid to X 20.000 Y 10.000 mm (machine)",
+        "  feed 600 mm/min to X 20.000 Y 10.000 mm (machine)",
     ]
 
 
@@ -91,12 +91,30 @@ def test_from_a_line_a_rotary_axis_goes_over_with_the_others(tmp_path: Path) -> 
     made = machine("xyza")
     part = program(tmp_path, "G0 X10 A90\nG1 Z-5 F120\nX20 A100\nX30\nM2\n")
     assert part.way_from(made.controller, 4)[1:4] == [
-        "  rapid to X0.000 Y0.000 Z0.000 A0.000 (machine)",
-        "  rapid to X20.000 Y0.000 Z0.000 A100.000 (machine)",
-        "  feed 120 mm/min to X20.000 Y0.000 Z-5.000 A100.000 (machine)",
+        "  rapid to X 0.000 Y 0.000 Z 0.000 mm A 0.000° (machine)",
+        "  rapid to X 20.000 Y 0.000 Z 0.000 mm A 100.000° (machine)",
+        "  feed 120 mm/min to X 20.000 Y 0.000 Z -5.000 mm A 100.000° (machine)",
     ]
     assert run_program(made, part, from_line=4) is Status.OK
     assert made.controller.state().position_mm == (30, 0, -5, 100)
+
+
+def test_a_feed_of_degrees_is_called_that(tmp_path: Path) -> None:
+    made = machine("xa")
+    part = program(tmp_path, "G0 X0\nF360\nG1 A30\nG1 A60 X1\nM2\n")
+    way = part.way_from(made.controller, 3)
+    assert way[-2] == "  feed 360 °/min to X 0.000 mm A 30.000° (machine)"
+    assert "with feed 360 mm/min or 360 °/min," in way[-1]
+    seen: dict[int, set[str]] = {}
+
+    def look() -> None:
+        state = made.controller.state()
+        if state.running and state.job:
+            seen.setdefault(state.job.line, set()).add(state.speed_unit)
+
+    made.controller.set_show_pos(look)
+    assert run_program(made, part) is Status.OK
+    assert seen == {3: {"°"}, 4: {"mm"}}
 
 
 def test_from_a_line_the_way_is_never_below_the_place(tmp_path: Path) -> None:

@@ -2,13 +2,12 @@
 
 import pytest
 
-from fraese.control.state import MachineState, Status
+from fraese.control.state import MachineState, Status, three_decimals
 from fraese.control.switchtest import SwitchTest
 from fraese.ui.feed import StateFeed
 from fraese.ui.jogging import Jog
 from fraese.ui.keys import GROUPS, KeyTable
 from fraese.ui.shape import AxisShape, Shape
-from fraese.ui.widgets.position import three_decimals
 from fraese.ui.widgets.status import clock_words, lost_words, status_word, switch_words
 from fraese.ui.widths import RepeatRule, widths
 

@@ -112,7 +112,7 @@ class StatusPanel(Vertical):
             "-alarm" if state.switch_ignored else "",
         )
         moving = state.running and state.speed_mm_min > 0
-        speed = f"{state.speed_mm_min:.0f} mm/min" if moving else "standing"
+        speed = f"{state.speed_mm_min:.0f} {state.speed_unit}/min" if moving else "standing"
         override = "" if state.override == 1 else f"{state.override:.0%}  "
         self._feed.show(override + speed)
         self._motors.show(
