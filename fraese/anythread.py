@@ -11,17 +11,11 @@ from typing import Final, TypeVar
 
 F = TypeVar("F", bound=Callable[..., object])
 
-_MARK: Final = "__any_thread__"
+#: Of a marked function this attribute is true.
+MARK: Final = "__any_thread__"
 
 
 def any_thread(function: F) -> F:
     """Mark a function that may be called from any thread."""
-    function.__dict__[_MARK] = True
+    function.__dict__[MARK] = True
     return function
-
-
-def is_any_thread(function: object) -> bool:
-    """Whether a function, or the getter of a property, is marked."""
-    if isinstance(function, property):
-        function = function.fget
-    return _MARK in getattr(function, "__dict__", {})

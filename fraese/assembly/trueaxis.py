@@ -16,11 +16,9 @@ from fraese.config import Config
 from fraese.config.axis import AxisConfig
 from fraese.config.simulation import SimulatedMotor
 from fraese.motor.mill import Slide
-from fraese.motor.phases import LEVEL_MAPS, TURN_STEPS, sense_of_table
+from fraese.motor.phases import FULL_STEPS_A_TURN, LEVEL_MAPS, TURN_STEPS, sense_of_table
 from fraese.motor.rotor import RotorLimits
 
-#: Full steps in one electrical turn.
-_FULL_STEPS_A_TURN: Final = 4
 _HALF_STEPS: Final = 2
 #: What the switches of drives can be set to.
 MICROSTEPS: Final = (1, 2, 4, 5, 8, 10, 16, 20, 25, 32, 40, 50, 64, 100, 125, 128, 200, 250, 256)
@@ -167,7 +165,7 @@ def _by_drive(config: Config, name: str) -> tuple[int, int]:
     motor = config.simulation.motor_of(name)
     wanted = config.axes.table[name].steps_per_rev / motor.full_steps_per_rev
     nearest = min(MICROSTEPS, key=lambda known: abs(known - wanted))
-    return _FULL_STEPS_A_TURN * (config.simulation.own(name).microsteps or nearest), 1
+    return FULL_STEPS_A_TURN * (config.simulation.own(name).microsteps or nearest), 1
 
 
 #: Steps in one electrical turn, and the sense of a positive step, by card.

@@ -14,7 +14,7 @@ Rule 2: above the card an axis and its motor have one number, its place in ``nam
 
 from collections.abc import Mapping, Sequence
 from decimal import Decimal
-from typing import Annotated, Any, ClassVar, Final, Literal
+from typing import Annotated, Any, ClassVar, Final, Literal, get_args
 
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 from pydantic_core.core_schema import ValidationInfo
@@ -27,7 +27,7 @@ AxisName = Literal["x", "y", "z", "a", "b", "c", "u", "v", "w"]
 VERTICAL: Final = "z"
 #: What kind of axis a letter is when its table does not say.
 _ROTARY: Final = frozenset("abc")
-_LETTERS: Final = ("x", "y", "z", "a", "b", "c", "u", "v", "w")
+_LETTERS: Final[tuple[AxisName, ...]] = get_args(AxisName)
 #: Defaults of an axis that differ from those of its kind.
 _OWN: Final[Mapping[str, Mapping[str, Any]]] = {
     "y": {"travel_mm": Decimal("200")},

@@ -8,6 +8,9 @@ from pydantic import Field, field_validator
 
 from fraese.config.section import Section
 
+#: DB25 pins of the status register.
+StatusPin = Literal[10, 11, 12, 13, 15]
+
 #: Motors that a card drives at most.
 SOCKETS: Final[Mapping[str, int]] = {"smc1500": 3, "stepdir": 4}
 
@@ -174,7 +177,7 @@ class SwitchesConfig(Section):
         "stop",
         description=("What a contact does: stop the motors, or nothing (for trying things out)."),
     )
-    pin: Literal[10, 11, 12, 13, 15] = Field(11, description="DB25 pin of the status register.")
+    pin: StatusPin = Field(11, description="DB25 pin of the status register.")
     closed_reads: Literal[0, 1] = Field(
         0, description=("How the pin's register bit reads with contact.")
     )
@@ -191,7 +194,7 @@ class SwitchesConfig(Section):
 class ProbeConfig(Section):
     """The probe of G38.2 to G38.5."""
 
-    pin: Literal[10, 11, 12, 13, 15] | None = Field(
+    pin: StatusPin | None = Field(
         None,
         description=(
             "DB25 pin of the status register; without one the probe shares the end switches' input."

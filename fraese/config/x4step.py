@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from fraese.config.section import Section
-from fraese.config.wiring import PortConfig
+from fraese.config.wiring import PortConfig, StatusPin
 
 
 class LptConfig(PortConfig):
@@ -15,7 +15,7 @@ class LptConfig(PortConfig):
 
     clock_idles_high: bool = Field(False, description="Resting level of the clock lines.")
     forward_high: bool = Field(True, description="Level of the direction lines for positive steps.")
-    low_pins: tuple[Literal[10, 11, 12, 13, 15], ...] = Field(
+    low_pins: tuple[StatusPin, ...] = Field(
         (), description="Inputs that are low on a simulated port; the others rest high."
     )
 

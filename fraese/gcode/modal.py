@@ -95,7 +95,6 @@ ORDER: Final = (
 )
 
 ARCS: Final = frozenset({20, 30})
-PROBES: Final = frozenset({382, 383, 384, 385})
 CYCLES: Final = frozenset({730, 740, 810, 820, 830, 840, 850, 860, 890})
 # Codes outside the motion group that use X, Y and Z for themselves.
 AXIS_USERS: Final = frozenset({100, 280, 300, 431, 520, 920})

@@ -46,7 +46,7 @@ LEVEL_MAPS: Final[Mapping[str, tuple[int, int, int, int]]] = {
 
 #: Half-steps in one electrical turn; a motor makes four full steps in it.
 TURN_STEPS: Final = 8
-_FULL_STEPS_A_TURN: Final = 4
+FULL_STEPS_A_TURN: Final = 4
 #: What motors are made with: 1.8 and 0.9 degrees a full step.
 FULL_STEPS_PER_REV: Final = (200, 400)
 
@@ -112,7 +112,7 @@ def sense_of_table(table: bytes, levels: tuple[int, int, int, int]) -> int:
 
 def parts_of_full_step(table: bytes) -> Fraction:
     """How many steps of a table make one full step of the motor: 2 for half-steps."""
-    return Fraction(len(table), _FULL_STEPS_A_TURN)
+    return Fraction(len(table), FULL_STEPS_A_TURN)
 
 
 def step_word(table: bytes) -> str:

@@ -4,6 +4,7 @@ import contextlib
 import json
 import tempfile
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from hypothesis import given
@@ -12,8 +13,12 @@ from hypothesis import strategies as st
 from fraese.assembly import assemble
 from fraese.config import Config
 from fraese.config import file as configuration
+from fraese.config.axes import AxisName
 from fraese.config.file import load
+from fraese.config.wiring import StatusPin
 from fraese.errors import ConfigError
+from fraese.motor.pins import STATUS_PINS
+from fraese.workframe import LETTERS
 
 ROOT = Path(__file__).parents[2]
 
@@ -245,3 +250,8 @@ def test_no_text_whatever_is_a_surprise(text: str) -> None:
         path.write_bytes(text.encode("utf-8", "surrogatepass"))
         with contextlib.suppress(ConfigError):
             load(path)
+
+
+def test_what_a_type_has_to_spell_out_is_what_the_table_says() -> None:
+    assert "".join(get_args(AxisName)) == LETTERS
+    assert set(get_args(StatusPin)) == set(STATUS_PINS)

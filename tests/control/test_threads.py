@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from fraese.anythread import is_any_thread
+from fraese.anythread import MARK
 from fraese.control.controller import Controller
 from fraese.control.endswitches import EndSwitches
 from fraese.control.motionqueue import MotionQueue
@@ -45,6 +45,13 @@ OWNERS = (
 ARGUMENTS: dict[str, tuple[object, ...]] = {"set_override": (0.5,), "switch_log": (False,)}
 #: In this order a job is held, lifted, and brought to its end.
 LAST = ("hold", "resume", "cancel", "stop")
+
+
+def is_any_thread(function: object) -> bool:
+    """Whether a function, or the getter of a property, is marked."""
+    if isinstance(function, property):
+        function = function.fget
+    return MARK in getattr(function, "__dict__", {})
 
 
 def marked(kind: type) -> list[str]:
