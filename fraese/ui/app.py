@@ -151,11 +151,6 @@ class FraeseApp(App[None]):
         self.exit(return_code=128 + number)
 
     @property
-    def machine_state(self) -> MachineState:
-        """The state last drawn."""
-        return self._state
-
-    @property
     def busy(self) -> bool:
         """The machine's thread has something to do, or there is something left to draw."""
         return self.link.busy or self._draw_planned
@@ -166,11 +161,6 @@ class FraeseApp(App[None]):
     def view(self) -> View:
         """The one that is seen, or that lies below the dialog."""
         return self._views[self.current_mode]
-
-    async def show_view(self, name: str) -> None:
-        """Change to this one."""
-        await self.switch_mode(name)
-        self._draw(self._state)
 
     # --- keys ------------------------------------------------------------------------------------
 

@@ -45,7 +45,7 @@ def test_the_app_is_told_what_it_drives(tmp_path: Path) -> None:
             hand = app.view.desk.hand
             assert hand is not None
             hand("xmax", True)
-            while not app.machine_state.switch_closed:
+            while not app._state.switch_closed:
                 await pilot.pause(0.01)
             hand("xmax", False)
         plant.close()

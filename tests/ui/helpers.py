@@ -15,6 +15,7 @@ from fraese.assembly.drivers import ClockName
 from fraese.config import Config
 from fraese.control.controller import Controller
 from fraese.control.jobs import Job
+from fraese.control.state import MachineState
 from fraese.errors import ProgramError
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import End
@@ -97,6 +98,16 @@ class Bench:
         """What a field of the view shows."""
         return self.view.query_one(selector, Fact).text
 
+    @property
+    def drawn(self) -> MachineState:
+        """The state last drawn."""
+        return self.app._state
+
+    async def show_view(self, name: str) -> None:
+        """Change to this one, as an app with several does."""
+        await self.app.switch_mode(name)
+        self.app._draw(self.drawn)
+
     async def press(self, *keys: str) -> None:
         await self.pilot.press(*keys)
 
@@ -113,7 +124,7 @@ class Bench:
     async def settled(self) -> None:
         """Until the machine's thread has nothing to do, and that has been drawn."""
         controller = self.plant.controller
-        await self.wait(lambda: not self.app.busy and self.app.machine_state == controller.state())
+        await self.wait(lambda: not self.app.busy and self.drawn == controller.state())
         await self.pilot.pause()
 
     async def long_move(self) -> None:

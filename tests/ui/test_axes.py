@@ -34,15 +34,15 @@ def test_a_fourth_axis_is_jogged_and_zeroed_by_keys() -> None:
             a = b.plant.controller.machine.axes[3]
             per_mm = float(b.plant.controller.machine.axes[2].steps_per_mm)
             assert b.moved_steps == (0, 0, per_mm, 2 * float(a.steps_per_mm))
-            assert b.app.machine_state.work_mm[3] == pytest.approx(2.0, abs=a.step_mm)
+            assert b.drawn.work_mm[3] == pytest.approx(2.0, abs=a.step_mm)
             await b.press("0")
             await b.settled()
-            assert b.app.machine_state.work_mm[3] == 0
-            assert b.app.machine_state.work_mm[2] == pytest.approx(1.0)
+            assert b.drawn.work_mm[3] == 0
+            assert b.drawn.work_mm[2] == pytest.approx(1.0)
             assert "was A 2.000° before" in b.text("#message")
             await b.press("A")
             await b.settled()
-            assert b.app.machine_state.work_mm == (0, 0, 0, 0)
+            assert b.drawn.work_mm == (0, 0, 0, 0)
             assert "was X 0.000 mm Y 0.000 mm Z 1.000 mm A 0.000° before" in b.text("#message")
 
     play(scene)
@@ -143,7 +143,7 @@ def test_an_endless_axis_has_no_limits_to_show() -> None:
             await b.wait(lambda: b.text("#axis-a .gauge") == "turns without end: no limits")
             await b.press("r", "x", "y", "a", "enter")
             await b.settled()
-            assert b.app.machine_state.referenced == (False, False, True)
+            assert b.drawn.referenced == (False, False, True)
             assert b.text("#axis-a .gauge") == "turns without end: no limits"
 
     play(scene)
@@ -155,8 +155,8 @@ def test_an_axis_without_switches_is_referenced_where_it_stands() -> None:
             await b.jog("home")
             await b.press("r", "x", "y", "z", "a", "enter")
             await b.settled()
-            assert b.app.machine_state.referenced == (False, False, False, True)
-            assert b.app.machine_state.position_mm[3] == 0
+            assert b.drawn.referenced == (False, False, False, True)
+            assert b.drawn.position_mm[3] == 0
             assert b.moved_steps[:3] == (0, 0, 0)
 
     play(scene)

@@ -91,7 +91,7 @@ def test_go_to_absolute_relative_and_zero() -> None:
             assert b.moved_steps == (400, -200, 0)
             await b.press("X")
             await b.settled()
-            assert b.app.machine_state.work_mm == (0.0, -1.0, 0.0)
+            assert b.drawn.work_mm == (0.0, -1.0, 0.0)
             assert "was X 2.000 mm" in b.text("#message")
             await b.press("g")
             dialog = b.app.screen
@@ -109,7 +109,7 @@ def test_go_to_absolute_relative_and_zero() -> None:
             assert b.moved_steps == (800, -200, 200)
             await b.press("A")
             await b.settled()
-            assert b.app.machine_state.work_mm == (0.0, 0.0, 0.0)
+            assert b.drawn.work_mm == (0.0, 0.0, 0.0)
 
     play(scene)
 
@@ -140,10 +140,10 @@ def test_reference_chosen_and_all_axes() -> None:
             assert isinstance(b.app.screen, ReferenceDialog)
             await b.press("enter")
             await b.settled()
-            assert b.app.machine_state.referenced == (False, False, True)
+            assert b.drawn.referenced == (False, False, True)
             await b.press("r", "enter")
             await b.settled()
-            assert b.app.machine_state.referenced == (True, True, True)
+            assert b.drawn.referenced == (True, True, True)
             assert b.mill.look().carriages_steps == (400, 400, 60 * 200 - 400)
             assert "Referenced" in b.text("#message")
             await b.press("r", "x", "y", "z", "enter")
@@ -209,7 +209,7 @@ def test_second_stop_is_without_ramp() -> None:
             b.app.action_stop_machine()
             await b.settled()
             assert "without ramp" in b.text("#message")
-            assert not b.app.machine_state.referenced[0]
+            assert not b.drawn.referenced[0]
 
     play(scene)
 
@@ -351,7 +351,7 @@ def test_nothing_jogs_while_a_program_runs_or_a_page_is_open() -> None:
             await b.press("escape")
             await b.settled()
             assert b.moved_steps[1:] == (0, 0)
-            assert b.app.machine_state.offset_mm == (0.0, 0.0, 0.0)
+            assert b.drawn.offset_mm == (0.0, 0.0, 0.0)
 
     play(scene)
 

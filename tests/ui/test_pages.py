@@ -142,7 +142,7 @@ def test_switch_page_ticks_off_what_is_pressed_by_hand() -> None:
                 b.hand(name, True)
                 await b.wait(lambda name=name: page.test.presses[name] == 1)  # type: ignore[misc]
                 b.hand(name, False)
-                await b.wait(lambda: not b.app.machine_state.switch_closed)
+                await b.wait(lambda: not b.drawn.switch_closed)
             assert page.test.done
             assert b.moved_steps == (0, 0, 0)
             await b.press("escape")
@@ -334,10 +334,10 @@ def test_lost_steps_are_said_loudly_with_motor_and_reason() -> None:
             await b.type("X10")
             await b.press("enter")
             await b.settled()
-            lost = b.app.machine_state.lost_steps[0]
+            lost = b.drawn.lost_steps[0]
             assert abs(lost) > 100
             assert b.text("#lost").startswith(f"LOST STEPS  X {abs(lost):g} ")
-            assert b.app.machine_state.lost_why[0] in b.text("#lost")
+            assert b.drawn.lost_why[0] in b.text("#lost")
             assert b.view.query_one("#lost").display
             for _ in PICTURES:
                 await b.pilot.pause(0.1)

@@ -41,7 +41,7 @@ def test_a_second_view_is_one_row_with_its_own_keys() -> None:
         async with bench(views=BOTH) as b:
             first = b.view
             await b.jog("right")
-            await b.app.show_view("second")
+            await b.show_view("second")
             second = b.app.view
             assert isinstance(second, Second)
             await b.pilot.pause()
@@ -53,7 +53,7 @@ def test_a_second_view_is_one_row_with_its_own_keys() -> None:
             await b.press("question_mark")
             assert b.app.screen is not second, "what every view has, it has"
             await b.press("escape")
-            await b.app.show_view("machine")
+            await b.show_view("machine")
             assert b.app.view is first
             await b.press("p")
             await b.jog("right")
@@ -66,7 +66,7 @@ def test_a_second_view_shows_and_stops_the_machine() -> None:
     async def scene() -> None:
         async with bench(clock="paced", views=BOTH) as b:
             await b.long_move()
-            await b.app.show_view("second")
+            await b.show_view("second")
             second = b.app.view
             await b.press("space")
             await b.wait(lambda: b.plant.controller.state().held)
