@@ -27,6 +27,19 @@ def machine(axes: str, **tables: Any) -> Config:
 FOUR = machine("xyza")
 
 
+def test_the_speed_of_a_turn_is_in_degrees() -> None:
+    async def scene() -> None:
+        async with bench(config=FOUR, clock="paced") as b:
+            controller = b.plant.controller
+            b.app.link.order(lambda: controller.move_to({"a": 300}, feed_mm_min=30))
+            await b.wait(lambda: "°/min" in b.text("#feed"))
+            assert "mm" not in b.text("#feed")
+            b.app.link.brake()
+            await b.settled()
+
+    play(scene)
+
+
 def test_a_fourth_axis_is_jogged_and_zeroed_by_keys() -> None:
     async def scene() -> None:
         async with bench(config=FOUR) as b:
