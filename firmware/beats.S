@@ -671,21 +671,41 @@ next_piece:
     lds  r24, piece_head
     cp   r18, r24
     breq 2b
-    mov  r30, r18                   // 13 times: PIECE_SIZE
-    lsl  r30
+    mov  r30, r18                   // 14 times: PIECE_SIZE
     lsl  r30
     mov  r31, r30
     lsl  r30
-    add  r30, r31
-    add  r30, r18
+    lsl  r30
+    lsl  r30
+    sub  r30, r31
     clr  r31
     subi r30, lo8(-(pieces))
     sbci r31, hi8(-(pieces))
     ldd  r25, Z + PIECE_RAMPS
+    bst  r25, RAMP_TURNS
+    andi r25, ~(1 << RAMP_TURNS) & 0xFF
     cpi  r25, RAMP_SLOW
     breq 2b
     std  Y + BLOCK_RAMPS, r25
     copy_piece
+    brtc 4f
+    ldd  r24, Z + PIECE_IS_RAMP     // the throttle is open: BOOST is what the pieces say
+    std  Y + BLOCK_IS_RAMP, r24
+    lds  r24, card + CARD_CONTROL
+    lds  r25, card + CARD_BOOST
+    eor  r24, r25
+    sts  card + CARD_CONTROL, r24
+    lds  r25, card + CARD_BOOST_HIGH
+    lds  r24, card + CARD_CONTROL_HIGH
+    eor  r24, r25
+    sts  card + CARD_CONTROL_HIGH, r24
+    lds  r24, beat + BEAT_REST + 1
+    eor  r24, r25
+    sts  beat + BEAT_REST + 1, r24
+    in   r24, _SFR_IO_ADDR(PORT_HIGH)
+    eor  r24, r25
+    out  _SFR_IO_ADDR(PORT_HIGH), r24
+4:
     inc  r18
     andi r18, PIECES - 1
     sts  piece_tail, r18
@@ -784,7 +804,7 @@ late:
     sts  player + PLAYER_DUE + 1, r25
 3:  rjmp not_late
 
-// ---- Clock lines: an edge, half an interval later the fall; then the next interval is chosen.
+// ---- Clock lines: a pause, the edge, a pulse, the fall; then the next interval is chosen.
 
 // r18, r19: two port bytes, at their cycle.
 .macro write_pair_at_due
@@ -862,26 +882,12 @@ find_fall:
     cpi  r19, FAR_HIGH
     brlo 2f
     complete_ramp
-2:  lds  r18, player + PLAYER_PLAN
-    lds  r19, player + PLAYER_PLAN + 1
-    lsr  r19
-    ror  r18
-    lds  r22, card + CARD_PULSE
-    lds  r23, card + CARD_PULSE + 1
-    cp   r18, r22
-    cpc  r19, r23
-    brsh 3f
-    movw r18, r22
-3:  sts  player + PLAYER_FALL, r18
-    sts  player + PLAYER_FALL + 1, r19
-    add  r22, r18
-    adc  r23, r19
-    sts  player + PLAYER_NOT_BEFORE, r22
-    sts  player + PLAYER_NOT_BEFORE + 1, r23
+2:  lds  r18, player + PLAYER_FALL
+    lds  r19, player + PLAYER_FALL + 1
     ret
 
-// Up to a quarter of its interval a write may be late without more ado; of a fall's, an eighth of
-// the whole.
+// Up to a quarter of its interval a write may be late without more ado (of a fall's, an eighth of the
+// whole), unless pulses must be so long that one could be cut short by it.
 .macro excuse shifts back
     lds  r22, player + PLAYER_LATE
     lds  r23, player + PLAYER_LATE + 1
@@ -895,6 +901,9 @@ find_fall:
     cp   r24, r22
     cpc  r25, r23
     brlo 1f
+    lds  r22, card + CARD_PULSE + 1
+    tst  r22
+    brne 1f
     rjmp \back
 1:  call_c player_clocks_late
     rjmp \back
@@ -957,10 +966,10 @@ fall_unsteady:
     ldd  r19, Y + BLOCK_INTERVAL + 2
     cpi  r19, FAR_HIGH
     brsh slow_fall
-    sts  player + PLAYER_PLAN, r18
-    sts  player + PLAYER_PLAN + 1, r19
-    lds  r22, player + PLAYER_NOT_BEFORE
-    lds  r23, player + PLAYER_NOT_BEFORE + 1
+    lds  r22, card + CARD_PULSE     // no pulse and no pause is shorter
+    lds  r23, card + CARD_PULSE + 1
+    lsl  r22
+    rol  r23
     cp   r18, r22
     cpc  r19, r23
     brsh 1f
@@ -968,8 +977,11 @@ fall_unsteady:
 1:  keep_last
     sts  player + PLAYER_CYCLES, r18
     sts  player + PLAYER_CYCLES + 1, r19
-    lds  r22, player + PLAYER_FALL
-    lds  r23, player + PLAYER_FALL + 1
+    movw r22, r18
+    lsr  r23
+    ror  r22
+    sts  player + PLAYER_FALL, r22
+    sts  player + PLAYER_FALL + 1, r23
     sub  r18, r22
     sbc  r19, r23
     cpi  r25, RAMP_FAST
@@ -977,10 +989,7 @@ fall_unsteady:
     sts  player + PLAYER_WAIT, r18
     sts  player + PLAYER_WAIT + 1, r19
     ldi  r24, RAMP_STEADY
-    tst  r25
-    brne 1f
-    ldi  r24, RAMP_SETTLING
-1:  std  Y + BLOCK_RAMPS, r24
+    std  Y + BLOCK_RAMPS, r24
 wait_known:
     cpi  r20, MODE_LAST_FALL
     brsh 1f

@@ -96,6 +96,8 @@ bool card_load(const uint8_t *bytes)
     }
     card_shadow_control(facts->control_rest & 0x0F);
     card.data = facts->clock_rest;
+    card.boost_mask = facts->boost.mask;
+    card.boost_high = CONTROL_HIGH(facts->boost.mask ^ CONTROL_INVERTED);
     card.outputs = 0;
     card.loaded = true;
     card_idle(false);
@@ -177,7 +179,6 @@ void card_signals(bool active, bool boost)
 void card_run(void)
 {
     card_set_outputs(card.facts.safe, card.outputs);
-    card_signals(true, true);
 }
 
 void card_rest(void)

@@ -45,6 +45,7 @@ struct card_facts {
     uint8_t switch_mask, switch_value;
     uint8_t readings;
     uint16_t silence_ms;
+    uint16_t duty_q16; /* of a clock line: share of its interval away from rest */
 };
 
 struct card {
@@ -55,6 +56,7 @@ struct card {
     uint8_t control_high; /* its part of PORT_HIGH */
     uint8_t outputs;     /* as wanted, also those that are off at standstill */
     uint8_t data;        /* clock and direction: data byte with clocks at rest, as read ahead */
+    uint8_t boost_mask, boost_high; /* BOOST in `control`, and in PORT_HIGH */
     uint8_t hold[TABLE_MAX]; /* hold table, as PORT_LOW bytes */
 };
 

@@ -33,12 +33,14 @@ AT(block, shortest, BLOCK_SHORTEST);
 AT(block, serial, BLOCK_SERIAL);
 AT(block, outputs_due, BLOCK_OUTPUTS_DUE);
 AT(block, entry_cycles, BLOCK_ENTRY);
+AT(block, is_ramp, BLOCK_IS_RAMP);
 
 AT(piece, end, PIECE_END);
 AT(piece, interval_q8, PIECE_INTERVAL);
 AT(piece, add_q8, PIECE_ADD);
 AT(piece, last, PIECE_LAST);
 AT(piece, ramps, PIECE_RAMPS);
+AT(piece, is_ramp, PIECE_IS_RAMP);
 SIZE(piece, PIECE_SIZE);
 
 AT(motor, phase, MOTOR_PHASE);
@@ -53,6 +55,9 @@ AT(card, facts.table_length, CARD_TABLE_LENGTH);
 AT(card, facts.pulse_cycles, CARD_PULSE);
 AT(card, control_high, CARD_CONTROL_HIGH);
 AT(card, data, CARD_DATA);
+AT(card, control, CARD_CONTROL);
+AT(card, boost_mask, CARD_BOOST);
+AT(card, boost_high, CARD_BOOST_HIGH);
 
 AT(line, head, LINE_HEAD);
 AT(line, errors, LINE_ERRORS);
@@ -75,9 +80,7 @@ AT(player, late, PLAYER_LATE);
 AT(player, patience, PLAYER_PATIENCE);
 AT(player, late_ticks, PLAYER_LATE_TICKS);
 AT(player, early, PLAYER_EARLY);
-AT(player, plan_cycles, PLAYER_PLAN);
 AT(player, fall_cycles, PLAYER_FALL);
-AT(player, not_before, PLAYER_NOT_BEFORE);
 AT(player, is_made_out, PLAYER_IS_MADE_OUT);
 AT(player, wait_cycles, PLAYER_WAIT);
 

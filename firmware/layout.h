@@ -26,6 +26,7 @@
 #define BLOCK_SERIAL 50
 #define BLOCK_OUTPUTS_DUE 52
 #define BLOCK_ENTRY 53
+#define BLOCK_IS_RAMP 57
 
 /* struct piece */
 #define PIECE_END 0
@@ -33,7 +34,8 @@
 #define PIECE_ADD 7
 #define PIECE_LAST 11
 #define PIECE_RAMPS 12
-#define PIECE_SIZE 13
+#define PIECE_IS_RAMP 13
+#define PIECE_SIZE 14
 #define PIECES 4
 
 /* struct motor, and the table before the four of them */
@@ -47,8 +49,11 @@
 /* struct card, struct line */
 #define CARD_TABLE_LENGTH 2
 #define CARD_PULSE 28
-#define CARD_CONTROL_HIGH 46
-#define CARD_DATA 48
+#define CARD_CONTROL 47
+#define CARD_CONTROL_HIGH 48
+#define CARD_DATA 50
+#define CARD_BOOST 51
+#define CARD_BOOST_HIGH 52
 #define LINE_HEAD 0
 #define LINE_ERRORS 2
 #define LINE_BYTES 3
@@ -72,11 +77,9 @@
 #define PLAYER_PATIENCE 29
 #define PLAYER_LATE_TICKS 30
 #define PLAYER_EARLY 32
-#define PLAYER_PLAN 33
-#define PLAYER_FALL 37
-#define PLAYER_NOT_BEFORE 41
-#define PLAYER_IS_MADE_OUT 45
-#define PLAYER_WAIT 46
+#define PLAYER_FALL 33
+#define PLAYER_IS_MADE_OUT 37
+#define PLAYER_WAIT 38
 
 /* struct throttle */
 #define THROTTLE_DRY_POINT 0
@@ -103,9 +106,10 @@
 #define RAMP_NONE 0
 #define RAMP_FAST 1
 #define RAMP_SLOW 2 /* every tick is taken by C */
-/* Clock lines at a constant interval: after one tick the fall, after two the wait is the same. */
-#define RAMP_SETTLING 3
-#define RAMP_STEADY 4
+/* Clock lines at a constant interval: pulse and pause are known. */
+#define RAMP_STEADY 3
+/* Bit in a piece's ramps, with clock lines: BOOST changes with its begin. */
+#define RAMP_TURNS 7
 
 /* struct beat */
 #define BEAT_ENTRY 2

@@ -7,7 +7,7 @@
 
 #define MOST_BEATS 8
 
-void share_out(struct block *block, uint8_t beats)
+SELDOM void share_out(struct block *block, uint8_t beats)
 {
     for (uint8_t i = 0; i < minors_of(block); i++) {
         ticks_t add = block->steps[i];
@@ -25,7 +25,7 @@ uint8_t ramps_of(int32_t add_q8)
     return add_q8 ? RAMP_FAST : RAMP_NONE;
 }
 
-void divide_far(struct block *block, uint32_t cycles)
+SELDOM void divide_far(struct block *block, uint32_t cycles)
 {
     uint8_t beats = 1;
     uint32_t part = cycles >> 1;
@@ -137,10 +137,11 @@ void make_out_clocks(void)
 void make_out_piece_ahead(const struct block *block, struct piece *piece)
 {
     bool is_plain = block->moving && piece->interval_q8 < (uint32_t)FAR_CYCLES << 8;
+    is_plain &= is_phase_card() || is_half_duty();
     piece->ramps = is_plain ? ramps_of(piece->add_q8) : RAMP_SLOW;
 }
 
-void make_out_ahead(struct block *block)
+SELDOM void make_out_ahead(struct block *block)
 {
     if (minors_of(block) && card.facts.beat_cycles && card.facts.beat_cycles < 0x8000)
         block->shortest = (uint16_t)(2 * card.facts.beat_cycles);
@@ -150,5 +151,5 @@ void make_out_ahead(struct block *block)
     }
     divide(block, (uint16_t)block->entry_cycles);
     block->is_plain &= !block->watch_pins && block->exit_cycles
-        && !(block->outputs_due && !is_phase_card());
+        && (is_phase_card() || (is_half_duty() && !block->outputs_due));
 }

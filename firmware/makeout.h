@@ -18,6 +18,12 @@ static inline bool is_phase_card(void)
     return card.facts.type == CARD_PHASES;
 }
 
+/* Pulse and pause are equally long. */
+static inline bool is_half_duty(void)
+{
+    return card.facts.duty_q16 == 0x8000;
+}
+
 /* First piece known: what can be worked out ahead of the block's first tick. Main loop. */
 void make_out_ahead(struct block *block);
 /* The same for a later piece of it. */

@@ -3,6 +3,7 @@
 
 #include <avr/interrupt.h>
 
+#include "arith.h"
 #include "beat.h"
 #include "inputs.h"
 #include "line.h"
@@ -12,10 +13,18 @@
 
 #define HOP_CYCLES 0x4000U
 #define HOP_SHIFT 14
+/* From one reading of the inputs to the next in a long wait. */
+#define READING_CYCLES 0x20000UL
 /* What must be chosen and made out outside the interrupt is at least so far ahead. */
 #define SOON_CYCLES 800
+/* Pulses below this end in the interrupt in which they began, where C makes them. */
+#define BRIEF_CYCLES 700
+/* The exact wait is no longer than this. */
+#define EXACT_CYCLES 200
 /* Time begins so long after it is asked to: the first tick is chosen and made out until then. */
 #define START_CYCLES 2400
+/* From rest, clock lines do not rise before that is done. */
+#define PREPARED_CYCLES 1600
 
 /* From the look at the counter until a compare match that was found to be due later is set. */
 #define SET_CYCLES 100
@@ -30,11 +39,12 @@ volatile uint16_t records_waiting;
 /* A long wait, and what is needed to take back the beat that was made out for its end. */
 static struct {
     uint32_t left;
-    uint16_t rest;
+    uint16_t last;
     uint32_t gone_cycles;
     bool may_choose; /* no beat of the tick was played yet */
     ticks_t sums[MOTORS_MAX - 1];
     uint8_t phases[MOTORS_MAX];
+    struct rest rest; /* as it was before the tick */
 } hop;
 
 /* ---- when */
@@ -58,7 +68,7 @@ static void arm(uint8_t mode, uint32_t wait)
         player.due += (uint16_t)wait;
     } else {
         hop.left = (wait - HOP_CYCLES / 2) >> HOP_SHIFT;
-        hop.rest = (uint16_t)(wait - (hop.left << HOP_SHIFT));
+        hop.last = (uint16_t)(wait - (hop.left << HOP_SHIFT));
         hop.gone_cycles = 0;
         player.after_hops = mode;
         player.due += HOP_CYCLES;
@@ -74,13 +84,14 @@ static bool is_much(uint16_t late, uint32_t interval)
     return (uint32_t)late << 2 > interval;
 }
 
-/* A write came late: if it was much, it is counted, and all that follows moves. */
-static void note_late(uint16_t late, uint32_t interval)
+/* A write came late: if it was much, it is counted, and all that follows moves; with clock lines,
+ * where a pulse could be cut short, in any case. */
+SELDOM static void note_late(uint16_t late, uint32_t interval)
 {
-    if (!is_much(late, interval))
-        return;
-    player.due += late;
-    player.late_ticks++;
+    bool much = is_much(late, interval);
+    if (much || (!is_phase_card() && player.fall_cycles < (uint32_t)late + card.facts.pulse_cycles))
+        player.due += late;
+    player.late_ticks += much;
 }
 
 uint32_t player_last(void)
@@ -141,24 +152,34 @@ static void go_to_beat(bool first)
     arm(!usual ? MODE_SLOW : beat.control_due ? MODE_CONTROL : MODE_PHASES, wait);
 }
 
-/* From the edge that comes to its fall. */
-static void set_fall(void)
+/* How long a clock is away from rest in such a tick. */
+SELDOM static uint32_t share_of(uint32_t cycles)
 {
-    uint16_t pulse = card.facts.pulse_cycles;
-    uint32_t half = player.plan_cycles >> 1;
-    player.fall_cycles = half > pulse ? half : pulse;
-    player.not_before = player.fall_cycles + pulse;
+    uint16_t shortest = card.facts.pulse_cycles;
+    uint32_t pulse = product_q16(cycles, card.facts.duty_q16);
+    if (pulse > cycles - shortest)
+        pulse = cycles - shortest;
+    return pulse < shortest ? shortest : pulse;
 }
 
-/* All edges of the piece that begins come at one interval. */
-static void settle(struct block *block)
+static bool is_brief(void)
 {
-    uint32_t cycles = player.plan_cycles;
-    set_fall();
-    if (cycles < player.not_before)
-        cycles = player.not_before;
-    player.wait_cycles = (uint16_t)(cycles - player.fall_cycles);
-    block->ramps = RAMP_STEADY;
+    return player.fall_cycles < BRIEF_CYCLES;
+}
+
+/* From the last deadline to an edge that has a pause of its own, or from rest none. */
+SELDOM static uint32_t special_wait(uint32_t pause)
+{
+    uint32_t wait = pause;
+    if (player.rest.stands && player.block->moving) {
+        uint16_t setup = card.facts.setup_cycles;
+        wait = pause > player.rest.stood ? pause - player.rest.stood : 0;
+        if (wait < card.facts.pulse_cycles)
+            wait = card.facts.pulse_cycles;
+        if (wait < setup)
+            wait = setup;
+    }
+    return wait < player.rest.ready ? player.rest.ready : wait;
 }
 
 /* An edge of clock lines, from the fall before it. */
@@ -173,16 +194,29 @@ static void go_to_edge(uint32_t cycles)
     player.is_made_out = false;
     beat.entry[0].high = (uint8_t)((beat.entry[0].high & DATA_HIGH_MASK) | card.control_high);
     beat.rest.high = (uint8_t)((beat.rest.high & DATA_HIGH_MASK) | card.control_high);
-    player.plan_cycles = cycles;
-    player.cycles = cycles > player.not_before ? cycles : player.not_before;
+    bool is_plan = cycles == block->interval_q8 >> 8;
+    bool is_special = player.rest.stands || player.rest.ready;
+    if (cycles < 2UL * card.facts.pulse_cycles)
+        cycles = 2UL * card.facts.pulse_cycles;
+    player.fall_cycles = is_half_duty() ? cycles >> 1 : share_of(cycles);
+    uint32_t pause = cycles - player.fall_cycles;
+    uint32_t wait = is_special ? special_wait(pause) : pause;
+    player.cycles = cycles; /* a pause of its own makes no other rate */
     player.chosen_at = player.done;
     block->ramps = ramps_of(block->add_q8);
-    if (!block->moving || beat.control_due || player.cycles >= FAR_CYCLES)
+    bool is_asked = !is_half_duty() && (block->ramps == RAMP_FAST || is_brief());
+    if (!block->moving || beat.control_due || cycles >= FAR_CYCLES || is_asked)
         block->ramps = RAMP_SLOW;
-    bool usual = block->ramps != RAMP_SLOW;
-    arm(usual ? MODE_FAST_RISE : MODE_RISE, player.cycles - player.fall_cycles);
-    if (block->ramps == RAMP_NONE && cycles == block->interval_q8 >> 8)
-        settle(block);
+    arm(block->ramps != RAMP_SLOW ? MODE_FAST_RISE : MODE_RISE, wait);
+    if (block->ramps == RAMP_NONE && is_plan) {
+        player.wait_cycles = (uint16_t)pause;
+        block->ramps = RAMP_STEADY;
+    } else if (block->ramps == RAMP_NONE && !is_half_duty()) {
+        block->ramps = RAMP_SLOW; /* chosen here once more */
+    }
+    hop.rest = player.rest;
+    player.rest.stands = false;
+    player.rest.ready = 0;
 }
 
 /* ---- which tick */
@@ -236,8 +270,7 @@ static bool begin_block(void)
     throttle_enter(block, exit);
     line_poll();
     inputs_begin_block(block);
-    if (block->piece_end)
-        run_show_ramp();
+    throttle.owes_signals |= block->piece_end != 0;
     player_offer();
     return true;
 }
@@ -255,8 +288,9 @@ static bool next_piece(void)
     block->interval_q8 = piece->interval_q8;
     block->add_q8 = piece->add_q8;
     block->piece_is_last = piece->last;
+    block->is_ramp = piece->is_ramp;
     piece_tail = (uint8_t)(tail + 1) & (PIECES - 1);
-    run_show_ramp();
+    throttle.owes_signals = true;
     return true;
 }
 
@@ -270,7 +304,11 @@ static bool find_tick(uint32_t *cycles)
             return false;
     }
     *cycles = player.block->interval_q8 >> 8;
-    return !WANT || throttle_choose(cycles, false);
+    if (WANT)
+        return throttle_choose(cycles, false);
+    if (throttle.owes_signals)
+        run_show_ramp();
+    return true;
 }
 
 /* Choose the next tick and make out its first writes; false: there is none. */
@@ -425,8 +463,8 @@ static uint8_t play_slowly(void)
     return take_next();
 }
 
-/* The clock lines leave their rest. */
-static void play_rise(void)
+/* The clock lines leave their rest; a brief pulse ends here too. */
+static uint8_t play_rise(void)
 {
     const struct entry *entry = beat.entry;
     uint16_t late;
@@ -440,12 +478,23 @@ static void play_rise(void)
         late = wait_for(player.due);
     }
     beat.pins[0] = PIN_STATUS;
+    if (late)
+        note_late(late, player.cycles);
+    bool has_fallen = is_brief();
+    if (has_fallen) {
+        player.due += (uint16_t)player.fall_cycles;
+        while ((int16_t)(player.due - TCNT1) > EXACT_CYCLES)
+            ;
+        late = write_data_at(player.due, beat.rest.low, beat.rest.high);
+        note_late(late, player.cycles >> 1);
+    }
     inputs_examine_beat();
-    note_late(late, player.cycles);
-    set_fall();
     hop.may_choose = false;
     tick_done();
+    if (has_fallen)
+        return or_stop(go_on());
     arm(MODE_FALL, player.fall_cycles);
+    return TIMER_SET;
 }
 
 /* They go back to it; then directions may change, and the next interval is chosen. */
@@ -469,15 +518,17 @@ void player_clocks_late(void)
 }
 
 /* An interval that runs, chosen anew for a brake or a stop; false: no tick follows. */
-static bool choose_again(void)
+SELDOM static bool choose_again(void)
 {
     uint32_t cycles = player.block->interval_q8 >> 8, gone = hop.gone_cycles;
     player.cycles = player.last_cycles;
     /* Also if none follows: then it is made out once more after a hold, or never. */
-    if (is_phase_card())
+    if (is_phase_card()) {
         restore_state();
-    else
+    } else {
         player.is_made_out = true;
+        player.rest = hop.rest;
+    }
     if (!throttle_choose(&cycles, true))
         return false;
     uint16_t due = player.due;
@@ -489,24 +540,27 @@ static bool choose_again(void)
     }
     /* The wait counted from here; what has gone of it is taken off again. */
     uint32_t wait = MODE == MODE_HOP
-        ? (hop.left << HOP_SHIFT) + hop.rest
+        ? (hop.left << HOP_SHIFT) + hop.last
         : (uint16_t)(player.due - due);
     uint8_t mode = MODE == MODE_HOP ? player.after_hops : MODE;
     player.due = due;
     arm(mode, wait > gone + SOON_CYCLES ? wait - gone : SOON_CYCLES);
+    hop.gone_cycles = gone;
     return true;
 }
 
 /* A hop of a long wait is over; false: no tick follows. */
-static bool play_hop(void)
+SELDOM static bool play_hop(void)
 {
     hop.gone_cycles += HOP_CYCLES;
+    if (!(hop.gone_cycles & (READING_CYCLES - 1)))
+        inputs_sample();
     if (hop.may_choose && WANT & (_BV(WANT_BRAKE) | _BV(WANT_STOP)))
         return choose_again();
     if (--hop.left) {
         player.due += HOP_CYCLES;
     } else {
-        player.due += hop.rest;
+        player.due += hop.last;
         set_mode(player.after_hops);
     }
     set_compare();
@@ -519,8 +573,7 @@ uint8_t player_play(void)
     case MODE_HOP:
         return or_stop(play_hop());
     case MODE_RISE:
-        play_rise();
-        return TIMER_SET;
+        return play_rise();
     case MODE_FALL:
         return or_stop(play_fall());
     default:
@@ -537,39 +590,52 @@ static void set_timer(void)
     TIMSK1 = _BV(OCIE1A);
 }
 
-void player_start(void)
+/* The match that was found to be due may have passed meanwhile; how much it moves. Moved even if it is
+ * little: a match in the past would come a whole turn of the timer later. */
+SELDOM static uint16_t see_to_match(uint16_t was_due)
 {
-    player.halt = PLAYING;
-    player.fall_cycles = player.not_before = 0;
-    player.cycles = 0;
-    player.from_rest = !player.block;
+    if (MODE == MODE_HOP)
+        return 0;
+    uint16_t moved = 0, wait = player.due - was_due;
     cli();
-    player.due = TCNT1 + START_CYCLES;
+    uint16_t gone = TCNT1 - was_due + player.early + NEAR_CYCLES + SET_CYCLES;
     sei();
-    if (go_on())
-        set_timer();
+    if (wait < gone) {
+        moved = gone - wait;
+        player.due += moved;
+    }
+    set_compare();
+    return moved;
 }
 
-void player_continue(void)
+SELDOM void player_start(uint32_t stood)
+{
+    player.halt = PLAYING;
+    player.fall_cycles = 0;
+    player.cycles = 0;
+    player.from_rest = !player.block;
+    player.rest.stands = true;
+    player.rest.stood = stood;
+    player.rest.ready = PREPARED_CYCLES;
+    cli();
+    uint16_t now = TCNT1;
+    sei();
+    player.due = is_phase_card() ? now + START_CYCLES : now;
+    if (!go_on())
+        return;
+    if (!is_phase_card())
+        see_to_match(now);
+    set_timer();
+}
+
+SELDOM void player_continue(void)
 {
     player.halt = PLAYING;
     uint16_t was_due = player.due;
     player.cycles = player.last_cycles;
     if (!go_on())
         return;
-    if (MODE != MODE_HOP) {
-        uint16_t wait = player.due - was_due;
-        cli();
-        uint16_t gone = TCNT1 - was_due + player.early + NEAR_CYCLES + SET_CYCLES;
-        sei();
-        if (wait < gone) {
-            /* Moved even if it is little: a match in the past would come a whole turn of the timer
-             * later. */
-            player.due += gone - wait;
-            player.late_ticks += is_much(gone - wait, player.cycles);
-        }
-        set_compare();
-    }
+    player.late_ticks += is_much(see_to_match(was_due), player.cycles);
     set_timer();
 }
 

@@ -15,6 +15,7 @@
  *         beat of the tick was played, its interval is chosen anew.
  * Rule 5: a write that comes late by more than a quarter of its interval (a minor axis alone: half)
  *         is counted, and moves all that follows: no more is ever caught up by a shorter interval.
+ *         With clock lines, where a pulse could be cut short, whatever comes late does.
  * Rule 6: a block that is plain, after motion and with nothing on anybody's mind, is gone over to in
  *         beats.S (player.next); any other is taken in hand by begin_block, in the time of a beat or
  *         two of a fast one.
@@ -31,6 +32,13 @@ enum halt { PLAYING, AT_END, AT_STOP, AT_HOLD, STARVED };
 
 /* What the next interrupt is: MODE_... of layout.h. */
 #define MODE GPIOR2
+
+/* Clock lines: why the next edge is not simply half an interval after the last fall. */
+struct rest {
+    bool stands;    /* a run begins */
+    uint32_t stood; /* after so long; */
+    uint32_t ready; /* directions have stood for their time so long after the last deadline */
+};
 
 /* The first part is read by beats.S: see layout.h. */
 struct player {
@@ -52,11 +60,10 @@ struct player {
     uint16_t late_ticks;
     uint8_t early;        /* by which the compare match comes before the deadline */
 
-    uint32_t plan_cycles; /* clock lines: the interval as chosen */
-    uint32_t fall_cycles; /* from the edge to the fall */
-    uint32_t not_before;  /* shortest time from edge to edge */
-    bool is_made_out;     /* clock lines: motors of the next edge are known already */
-    uint16_t wait_cycles; /* clock lines: from the fall to the next edge, if it is steady */
+    uint32_t fall_cycles; /* clock lines: from the edge to the fall */
+    bool is_made_out;     /* motors of the next edge are known already */
+    uint16_t wait_cycles; /* from the fall to the next edge, if it is steady */
+    struct rest rest;
 
     uint8_t after_hops;   /* mode of the interrupt that is waited for */
     bool from_rest;       /* the next block is the first of a run */
@@ -65,8 +72,8 @@ struct player {
 
 extern struct player player;
 
-/* Time begins now; plays what is prepared. The timer was stopped. */
-void player_start(void);
+/* Time begins now, after so many cycles of standing; plays what is prepared. The timer was stopped. */
+void player_start(uint32_t stood);
 /* No further beat, not even of the tick in hand. Main loop. */
 void player_cut(void);
 /* What was owed is there: go on after STARVED. */

@@ -5,7 +5,7 @@
 #ifndef PROTOCOL_H
 #define PROTOCOL_H
 
-#define PROTOCOL_VERSION 2
+#define PROTOCOL_VERSION 3
 
 /* Bytes on the line. */
 #define RESERVED_MASK 0xF8
@@ -99,6 +99,7 @@
 #define PIECE_TICKS 0x03
 #define PIECE_INTERVAL_SHIFT 2
 #define PIECE_ADD_SHIFT 5
+#define PIECE_RAMP 0x80
 #define DRY_NONE 0xFF
 
 /* Watches. */
@@ -107,7 +108,7 @@
 #define WATCH_BRAKE 2
 
 /* Cards. */
-#define CARD_LENGTH 43
+#define CARD_LENGTH 45
 #define CARD_PHASES 0
 #define CARD_CLOCKS 1
 #define TABLE_MIN 2

@@ -39,13 +39,13 @@ static struct {
     uint32_t accel_q, jump_q8, jump_cycles, jump_before;
     uint16_t override_q8;
     uint8_t data;
-    bool is_ramp; /* the last piece changes its interval */
+    bool is_ramp; /* the last piece was one, as the drives are told */
     uint16_t serial;
 } reading;
 
 /* ---- the ring */
 
-static void store(const uint8_t *bytes, uint8_t count)
+SELDOM static void store(const uint8_t *bytes, uint8_t count)
 {
     uint16_t room = BOARD_RING - head;
     used += count;
@@ -71,7 +71,7 @@ static uint8_t take_u8(void)
     return byte;
 }
 
-static uint32_t take(uint8_t bytes)
+static __attribute__((noinline)) uint32_t take(uint8_t bytes)
 {
     union {
         uint32_t value;
@@ -107,7 +107,7 @@ bool reader_has_ready(void)
 
 /* ---- arrival */
 
-static void set_dry_point(void)
+SELDOM static void set_dry_point(void)
 {
     throttle.dry_point = false;
     if (arrival.back == DRY_NONE)
@@ -122,7 +122,7 @@ static void set_dry_point(void)
         wish(MAY_RUN_DRY);
 }
 
-static void record_arrived(void)
+SELDOM static void record_arrived(void)
 {
     arrival.serial++;
     set_dry_point();
@@ -133,7 +133,7 @@ static void record_arrived(void)
     run_refilled();
 }
 
-static void arrive(uint8_t byte)
+SELDOM static void arrive(uint8_t byte)
 {
     switch (arrival.wants) {
     case LENGTH:
@@ -183,7 +183,7 @@ uint16_t reader_last_serial(void)
     return arrival.serial;
 }
 
-void reader_drop(void)
+SELDOM void reader_drop(void)
 {
     head = tail = used = 0;
     records_waiting = 0;
@@ -219,7 +219,7 @@ static uint32_t take_short(void)
     return (uint32_t)mantissa << (take_u8() & 31);
 }
 
-static void take_limits(uint8_t law, uint8_t rare)
+SELDOM static void take_limits(uint8_t law, uint8_t rare)
 {
     if (law & LAW_ACCEL)
         reading.accel_q = take_short();
@@ -302,7 +302,7 @@ static void set_minors(struct block *block, const ticks_t steps[])
 }
 
 /* Direction bits of the motors that move; the others keep theirs. */
-static void set_data(struct block *block)
+SELDOM static void set_data(struct block *block)
 {
     uint8_t data = reading.data, highs = block->forward;
     const uint8_t *bits = card.facts.motor_bits;
@@ -318,7 +318,7 @@ static void set_data(struct block *block)
     block->data = reading.data = data;
 }
 
-static void take_watch(struct block *block)
+SELDOM static void take_watch(struct block *block)
 {
     uint8_t mask = take_u8();
     block->watch_pins = pins_of(mask);
@@ -422,7 +422,7 @@ static void finish_block(struct block *block)
     block_is_ready();
 }
 
-static void read_piece(void)
+SELDOM static void read_piece(void)
 {
     struct block *block = &blocks[reading.slot];
     uint8_t shape = take_u8();
@@ -446,7 +446,7 @@ static void read_piece(void)
     if (ticks == 1 && card.facts.type == CARD_PHASES)
         add_q8 = 0; /* it is never added */
     bool was_ramp = reading.is_ramp;
-    reading.is_ramp = add_q8 != 0;
+    reading.is_ramp = shape & PIECE_RAMP;
     bool turns_boost = card.facts.type == CARD_CLOCKS && reading.is_ramp != was_ramp;
     if (reading.is_ready) {
         struct piece *piece = &pieces[piece_head];
@@ -454,15 +454,17 @@ static void read_piece(void)
         piece->interval_q8 = interval_q8;
         piece->add_q8 = add_q8;
         piece->last = is_last;
+        piece->is_ramp = reading.is_ramp;
         make_out_piece_ahead(block, piece);
         if (turns_boost)
-            piece->ramps = RAMP_SLOW;
+            piece->ramps = card.facts.boost.mask & 0x08 ? RAMP_SLOW : piece->ramps | _BV(RAMP_TURNS);
         piece_head = (uint8_t)(piece_head + 1) & (PIECES - 1);
     } else {
         block->piece_end = reading.ticks;
         block->interval_q8 = interval_q8;
         block->add_q8 = add_q8;
         block->piece_is_last = is_last;
+        block->is_ramp = reading.is_ramp;
         block->is_plain &= !turns_boost;
         finish_block(block);
     }
@@ -472,7 +474,7 @@ static void read_piece(void)
 
 /* Ratios of the coming junction, for a throttle that may not be open then. While it is open, what
  * comes over the line goes first. */
-static bool prepare_junction(void)
+SELDOM static bool prepare_junction(void)
 {
     if (throttle.state == OPEN && line_waiting())
         return false;

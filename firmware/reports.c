@@ -128,7 +128,7 @@ static void send_status(void)
     place(&here);
     u16(reader_last_serial());
     u32(interval);
-    u8(status_of(inputs.pins));
+    u8(status_of(PIN_STATUS & STATUS_PINS));
     place(&inputs.latched_at);
     u16(inputs.contact_serial);
     u16(inputs.contact_oldest);

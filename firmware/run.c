@@ -12,10 +12,10 @@
 
 #define CYCLES_PER_MS 16000UL
 #define MARK_CYCLES (4 * CYCLES_PER_MS)
-#define LONGEST_SINCE_FALL 0xF000
 
 struct run run;
 static uint32_t settled_at;
+static uint32_t rested_at = 0x80000000; /* long ago */
 static uint32_t marked_at;
 static uint16_t timer_seen;
 static uint32_t silence_cycles;
@@ -40,22 +40,20 @@ void run_set_up(const struct block *block)
     if (card.facts.type != CARD_CLOCKS || block->data == card.data)
         return;
     card.data = block->data;
-    card_write_data(card.data);
     if (!card.facts.setup_cycles)
-        return;
-    /* The lines fell some time ago; a run begins some time from now. */
+        return; /* they change with the edge */
+    card_write_data(card.data);
     uint16_t since_fall = TCNT1 - player.due;
-    if (since_fall > LONGEST_SINCE_FALL)
-        since_fall = 0;
-    uint32_t ready = player.fall_cycles + since_fall + card.facts.setup_cycles;
-    if (player.not_before < ready)
-        player.not_before = ready;
+    uint32_t ready = (uint32_t)since_fall + card.facts.setup_cycles;
+    if (player.rest.ready < ready)
+        player.rest.ready = ready;
 }
 
 void run_show_ramp(void)
 {
+    throttle.owes_signals = false;
     if (card.facts.type == CARD_CLOCKS)
-        card_signals(true, throttle.state != OPEN || player.block->add_q8 != 0);
+        card_signals(true, throttle.state != OPEN || player.block->is_ramp);
 }
 
 /* ---- in the main loop */
@@ -77,6 +75,9 @@ static void rest(void)
 {
     card_rest();
     player_rest();
+    throttle.owes_signals = true;
+    if (run.state == MOVING)
+        rested_at = run.now;
     run.state = STANDING;
     run.version++;
 }
@@ -137,7 +138,7 @@ static void begin(void)
     run.ended = ENDED_NOT;
     run.state = MOVING;
     run.version++;
-    player_start();
+    player_start(run.now - rested_at);
 }
 
 /* A brake at standstill holds what comes next. */

@@ -39,6 +39,9 @@ typedef __uint24 ticks_t; /* also eighths of ticks: 2^21 - 1 ticks in a block at
 #define MAY_RUN_DRY 6
 #define IS_LATE 7 /* a write came late: player.late */
 
+/* What is seldom done, or with time to spare, is kept small. */
+#define SELDOM __attribute__((noinline, optimize("Os")))
+
 #define wish(bit) (WANT |= _BV(bit))
 #define unwish(bit) (WANT &= (uint8_t)~_BV(bit))
 #define wished(bit) (WANT & _BV(bit))
@@ -84,6 +87,7 @@ struct block {
     uint16_t serial;
     bool outputs_due; /* still to be made */
     uint32_t entry_cycles; /* first interval of the plan; 0: no piece */
+    bool is_ramp; /* the piece in hand, as the drives are told */
     uint8_t moving; /* motors, a bit each; 0: a dwell */
     ticks_t steps[MOTORS_MAX - 1]; /* of the minors */
     uint8_t leading; /* the leader's bit */
@@ -117,6 +121,7 @@ struct piece {
     int32_t add_q8;
     bool last;
     uint8_t ramps; /* RAMP_SLOW: taken by C */
+    bool is_ramp;
 };
 
 static inline uint8_t minors_of(const struct block *block)

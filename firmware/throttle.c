@@ -56,7 +56,7 @@ static void close(uint32_t last)
     throttle.cycles = last;
 }
 
-void throttle_open(void)
+SELDOM void throttle_open(void)
 {
     if (throttle.state == OPEN || throttle.state == OPENING)
         return;
@@ -105,7 +105,7 @@ static uint32_t approached(uint32_t rate, uint32_t change)
     return rate < ceiling ? rate : ceiling;
 }
 
-static __attribute__((noinline)) void work_out(struct move *move, uint32_t mark)
+SELDOM static void work_out(struct move *move, uint32_t mark)
 {
     uint32_t change = product_q16(throttle.accel_q, mark);
     uint32_t ceiling = throttle.ceiling_q8, jump = throttle.jump_q8;
@@ -265,12 +265,13 @@ bool throttle_choose(uint32_t *cycles, bool again)
         throttle.dry_queues++;
         close(last);
     }
-    mind_ceiling(ceiling_of(player.block), last);
+    if (throttle.ceiling_q8 || player.block->override_q8 > throttle.override_q8)
+        mind_ceiling(ceiling_of(player.block), last);
     if (throttle.state != OPEN && !limit_interval(cycles, last)) {
         player.halt = AT_HOLD;
         return false;
     }
-    if (throttle.state != state)
+    if (throttle.state != state || throttle.owes_signals)
         run_show_ramp();
     unwish(IS_LIMITED);
     throttle.is_steady = throttle.state != OPEN && *cycles == throttle.cycles;
@@ -339,7 +340,7 @@ void throttle_enter(const struct block *block, uint32_t exit)
     }
 }
 
-void throttle_work_ahead(void)
+SELDOM void throttle_work_ahead(void)
 {
     uint8_t turn = *(volatile uint8_t *)&throttle.turn;
     if (throttle.ready == turn)
@@ -361,7 +362,7 @@ void throttle_work_ahead(void)
     throttle.ready = turn;
 }
 
-void throttle_prepare(struct block *block)
+SELDOM void throttle_prepare(struct block *block)
 {
     uint32_t top = rate_over(block->top_cycles ? block->top_cycles : 1);
     block->ceiling_q8 = scaled_rate(top, throttle.override_q8, block->override_q8);
@@ -369,7 +370,7 @@ void throttle_prepare(struct block *block)
     block->flags |= BLOCK_CEILING;
 }
 
-void throttle_set_override(uint16_t override_q8)
+SELDOM void throttle_set_override(uint16_t override_q8)
 {
     /* The interrupt must not see a new override with an old ceiling. */
     uint8_t sreg = SREG;

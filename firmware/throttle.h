@@ -51,6 +51,7 @@ struct throttle {
     bool dry;             /* closed for want of blocks */
     uint8_t dry_queues;
     uint8_t late_throttle;
+    bool owes_signals; /* the drives are told with the next interval that is chosen */
 };
 
 extern struct throttle throttle;

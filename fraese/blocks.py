@@ -24,6 +24,7 @@ A dwell is a block whose ticks move no motor. A change of outputs rides on the f
 block and may be the only thing in it.
 """
 
+from collections.abc import Sequence
 from enum import Enum
 from typing import Final, NamedTuple
 
@@ -59,6 +60,36 @@ class Piece(NamedTuple):
     def mirrored(self) -> "Piece":
         """The same intervals in opposite order, to the cycle."""
         return Piece(self.ticks, self.last_interval_q8(), -self.add_q8)
+
+
+def ramps(pieces: Sequence[Piece], moves: bool) -> tuple[bool, ...]:
+    """For every piece that has ticks: whether it belongs to a ramp, as drives are told.
+
+    A ramp is cut into pieces, some of a single tick, which says nothing of the rate before and
+    after it. So a piece is level if it keeps one interval, none beside it in the block is shorter,
+    and it is more than one tick, or one that goes on at the rate beside it, or all there is.
+
+    Args:
+        pieces: the time law of a block.
+        moves: a motor moves in it; a dwell has no rate.
+    """
+    played = [piece for piece in pieces if piece.ticks]
+    if not moves:
+        return (False,) * len(played)
+    befores = [None, *(piece.last_interval_q8() for piece in played[:-1])]
+    afters = [*(piece.interval_q8 for piece in played[1:]), None]
+    return tuple(
+        not _is_level(piece, [q8 for q8 in beside if q8 is not None])
+        for piece, *beside in zip(played, befores, afters, strict=True)
+    )
+
+
+def _is_level(piece: Piece, beside_q8: list[int]) -> bool:
+    if any(q8 < piece.interval_q8 for q8 in beside_q8):
+        return False
+    if piece.ticks > 1:
+        return not piece.add_q8
+    return not beside_q8 or piece.interval_q8 in beside_q8
 
 
 class WatchAction(Enum):

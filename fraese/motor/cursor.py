@@ -44,6 +44,7 @@ class Cursor:
         moved: motors that have made their step of the tick in hand in an earlier beat,
         moving_now: and those that make it in the present one.
         piece_left: ticks left of the piece in hand, with ``interval_q8`` and ``add_q8``.
+        is_ramp: the rate changes in it, as far as the drives are told so.
         entry_cycles: its first interval as planned.
         outputs: the block's change of outputs, until it is made.
         jump_rate_q8: the start/stop rate that counts: one of next to nothing would mean minutes for
@@ -78,6 +79,7 @@ class Cursor:
         self.piece_left = 0
         self.interval_q8 = 0
         self.add_q8 = 0
+        self.is_ramp = False
 
     def next_piece(self) -> bool:
         """Take up the next piece; False when the law is at its end."""

@@ -45,6 +45,7 @@ class Governor:
         self._dry = False
         self._exit_cycles = 0
         self._top_rate_q8 = 0
+        self._owes_signals = True
         self.awaited_cycles = 0
         self.dry_queues = 0
 
@@ -106,6 +107,7 @@ class Governor:
     def rest(self) -> None:
         """The motors stand: what comes next comes from standstill."""
         self.awaited_cycles = self._exit_cycles = 0
+        self._owes_signals = True
 
     def finish(self, ended: Ended) -> None:
         """The run is over. A brake that came too late for it holds what comes next."""
@@ -139,14 +141,21 @@ class Governor:
         cycles = plan_cycles
         if throttle.state is not _OPEN:
             cycles = throttle.interval(plan_cycles, last_cycles)
-        if throttle.state is not state and cycles >= 0:
-            self.show_ramp(cursor)
+        if (throttle.state is not state or self._owes_signals) and cycles >= 0:
+            self._show_ramp(cursor)
         requests.be_calm(throttle.state is _OPEN and not self._queue.may_run_dry)
         return cycles
 
-    def show_ramp(self, cursor: Cursor) -> None:
+    def begin_piece(self, cursor: Cursor) -> None:
+        """Tell the drives; where it is not calm, with the interval that is chosen next."""
+        self._owes_signals = True
+        if self._requests.calm:
+            self._show_ramp(cursor)
+
+    def _show_ramp(self, cursor: Cursor) -> None:
         """Tell the drives whether the rate changes, by the plan or by the throttle."""
-        self._wires.signal_ramp(self._throttle.state is not _OPEN or bool(cursor.add_q8))
+        self._owes_signals = False
+        self._wires.signal_ramp(self._throttle.state is not _OPEN or cursor.is_ramp)
 
     def _runs_dry(self, cursor: Cursor, last_cycles: int) -> bool:
         if not last_cycles or self._throttle.state in _CLOSING_OR_HELD:

@@ -60,10 +60,15 @@ class Requests:
         self.stop_reason = reason
         self.stop()
 
+    @property
+    def is_pressing(self) -> bool:
+        """Something is wanted that need not wait for the next tick."""
+        return self.stop_wanted or self.brake_wanted
+
     def be_calm(self, calm: bool) -> None:
         """Choose whether the throttle is looked at; a flag that is set is looked at anyway."""
         self.calm = calm
-        if self.stop_wanted or self.brake_wanted:
+        if self.is_pressing:
             self.calm = False
 
     def acted(self, ended: Ended) -> None:

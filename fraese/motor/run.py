@@ -20,6 +20,7 @@ from fraese.errors import StateError
 from fraese.motor.blockqueue import BlockQueue
 from fraese.motor.cursor import Cursor
 from fraese.motor.governor import Governor
+from fraese.motor.pulses import Pulses
 from fraese.motor.reactions import Reactions
 from fraese.motor.requests import Requests
 from fraese.motor.seams import Card, Clock, Ended, Port
@@ -69,7 +70,8 @@ class Run:
         self.reactions = Reactions(self.inputs, self.track, self.requests, clock)
         self.wires = Wires(port, card, self.inputs, self.reactions, safe_outputs)
         self.governor = Governor(self.requests, self.queue, self.track, self.wires)
-        self.ticks = Ticks(clock, card, self.wires, self.track, self.governor, self.requests)
+        ticks = Pulses if card.fall else Ticks
+        self.ticks = ticks(clock, card, self.wires, self.track, self.governor, self.requests)
         self.standing = True
         self.ended = Ended.NOT
 

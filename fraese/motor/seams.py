@@ -22,6 +22,9 @@ DATA: Final = 0
 STATUS: Final = 1
 CONTROL: Final = 2
 
+#: Half of an interval, as a clock's share of it.
+HALF_Q16: Final = 1 << 15
+
 #: The value of a STATUS entry that speaks for every motor of the tick.
 EVERY_MOTOR: Final = -1
 
@@ -88,14 +91,16 @@ class Card(Protocol):
     step_word: str
     #: Between a change of direction and the next edge.
     setup_cycles: int
-    #: A falling edge comes half an interval after its rising edge, but not earlier than this.
+    #: No pulse of a clock line, and no pause between two, is shorter; 0: there are no such lines.
     pulse_cycles: int
+    #: Share of its interval for which a clock is away from rest, 1/65536.
+    duty_q16: int
     #: The shortest beat into which a tick may be divided; 0: a tick is not divided.
     beat_cycles: int
 
     @property
     def fall(self) -> Entries:
-        """What to write half an interval after a tick; empty for a card without clock lines."""
+        """What to write at the end of a tick's pulse; empty for a card without clock lines."""
 
     def begin(self, directions: Sequence[int], leader: int) -> Entries:
         """Take the directions (-1, 0, +1) and leader of a block; what must be set up before."""

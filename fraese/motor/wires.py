@@ -80,12 +80,11 @@ class Wires:
         self.energised = False
 
     def signal_run(self) -> None:
-        """A run begins: outputs as they should be, ACTIVE and BOOST high."""
+        """A run begins: outputs as they should be."""
         self.write(self._card.set_outputs(self._safe_outputs, self._outputs))
-        self.write(self._card.signals(True, True))
 
     def signal_ramp(self, ramp: bool) -> None:
-        """Tell the drives whether the rate changes."""
+        """Tell the drives that the motors move, and whether the rate changes."""
         self.write(self._card.signals(True, ramp))
 
     def signal_rest(self) -> None:

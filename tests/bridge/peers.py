@@ -81,9 +81,9 @@ PHASES: Final = Kind(
 )  # fmt: skip
 
 
-def clock_kind(profile: str, sockets: tuple[int, ...] = (0, 1, 2, 3)) -> Kind:
+def clock_kind(profile: str, duty: float = 0.5, sockets: tuple[int, ...] = (0, 1, 2, 3)) -> Kind:
     """Clock and direction on four motors, with two outputs."""
-    row = STEPDIR_PROFILES[profile]
+    row = STEPDIR_PROFILES[profile]._replace(duty=duty)
     return Kind(
         lambda: StepDirCard(row, outputs=(OutputPin(1), OutputPin(14)), sockets=sockets),
         CardFacts(
@@ -91,6 +91,7 @@ def clock_kind(profile: str, sockets: tuple[int, ...] = (0, 1, 2, 3)) -> Kind:
             boost=Line(0b0100, 0b0100), outputs=(Line(0b0001, 0), Line(0b0010, 0)),
             pulse_cycles=row.pulse_cycles, setup_cycles=row.setup_cycles,
             settle_cycles=SETTLE_CYCLES, motor_bits=tuple(3 << 2 * socket for socket in sockets),
+            duty_q16=round(duty * 0x10000),
         ),
     )  # fmt: skip
 

@@ -140,9 +140,13 @@ def play_both(kind: Kind, blocks: list[Block], exact: bool = True) -> None:
 EXACT_PHASES = Range(3, 4_500)
 EXACT_THROTTLED = Range(3, 12_000, throttled=True)
 FAST_PHASES = Range(3, 1_300, least_ticks=8)
-#: Clock lines fall half an interval after an edge; after a long one little is left for a short one.
-EXACT_CLOCKS = Range(4, 9_000, spread=1.2, dwell_s=(0.0007, 0.0008))
-SLOW_CLOCKS = Range(4, 9_000, spread=1.2, dwell_s=(0.0007, 0.0008))
+#: What is chosen after a fall must be ready half an interval later.
+EXACT_CLOCKS = Range(4, 9_000)
+THROTTLED_CLOCKS = Range(4, 24_000, throttled=True)
+#: Waits in which the inputs are read.
+LONG_CLOCKS = Range(4, 250_000)
+#: The pause before a short pulse leaves all the time that there is; before a long one, none.
+DUTIES = (0x30 / (0x30 + 2 * 0x0310), 0.2, 0.5)
 
 
 @_SLOW
@@ -171,12 +175,30 @@ def test_paper_drives(blocks: list[Block]) -> None:
 
 
 @_SLOW
-@given(blocks=queues(SLOW_CLOCKS))
+@given(blocks=queues(EXACT_CLOCKS))
 def test_x4step_drives(blocks: list[Block]) -> None:
     play_both(clock_kind("x4step"), blocks)
 
 
 @_SLOW
-@given(blocks=queues(SLOW_CLOCKS))
+@given(blocks=queues(EXACT_CLOCKS))
 def test_drives_in_other_sockets(blocks: list[Block]) -> None:
     play_both(clock_kind("x4step", sockets=(2, 0, 3, 1)), blocks)
+
+
+@_SLOW
+@given(blocks=queues(THROTTLED_CLOCKS))
+def test_x4step_drives_entered_on_ramps(blocks: list[Block]) -> None:
+    play_both(clock_kind("x4step"), blocks)
+
+
+@settings(_SLOW, max_examples=8)
+@given(blocks=queues(LONG_CLOCKS))
+def test_x4step_drives_at_low_rates(blocks: list[Block]) -> None:
+    play_both(clock_kind("x4step"), blocks)
+
+
+@_SLOW
+@given(blocks=queues(EXACT_CLOCKS), duty=st.sampled_from(DUTIES))
+def test_any_duty(blocks: list[Block], duty: float) -> None:
+    play_both(clock_kind("paper", duty), blocks)

@@ -169,7 +169,7 @@ def test_somebody_else_has_the_port(stack: Stack) -> None:
 
 def test_the_bridge_looked_at_and_tried_out(stack: Stack) -> None:
     facts = json.loads(stack.bridge("info", "--json").stdout)
-    assert (facts["board"], facts["baud"], facts["protocol"]) == ("uno", 250_000, 2)
+    assert (facts["board"], facts["baud"], facts["protocol"]) == ("uno", 250_000, 3)
     assert facts["queue_bytes"] > 500
     assert 0 < facts["answer_ms"] <= facts["slowest_ms"]
     before = stack.mill.carriages_steps()

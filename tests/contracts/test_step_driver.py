@@ -148,6 +148,30 @@ class TestStepDriverContract:
         assert (report.ended, report.queued, report.held) == (Ended.FLUSH, 0, False)
         assert report.position_steps == held.position_steps
 
+    @pytest.mark.parametrize("made", [0, 600, 1750, 1900, 1990])
+    def test_after_a_brake_and_a_flush_the_next_block_moves(self, rig: Rig, made: int) -> None:
+        """Also when the brake came in the block's own braking, which begins at 1700."""
+        rig.driver.push(line(2000))
+        report = rig.driver.poll(0.001)
+        while report.running and report.position_steps[0] < made:
+            report = rig.driver.poll(0.001)
+        rig.driver.brake()
+        rig.run()
+        rig.driver.flush()
+        assert rig.run(line(0, 70)).position_steps[1] == 70
+
+    def test_after_a_stop_and_a_flush_the_next_block_moves(self, rig: Rig) -> None:
+        """Whether or not the end of the run was seen before."""
+        rig.driver.push(line(LONG))
+        rig.driver.poll(UNDER_WAY_S)
+        rig.driver.stop()
+        try:
+            rig.driver.flush()
+        except StateError:
+            rig.run()
+            rig.driver.flush()
+        assert rig.run(line(0, 70)).position_steps[1] == 70
+
     def test_stop_drops_the_rest_and_owns_up(self, rig: Rig) -> None:
         rig.driver.push(line(LONG))
         rig.driver.push(line(100))

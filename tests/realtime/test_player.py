@@ -240,7 +240,8 @@ class TestCommands:
         room.until(1.5)
         assert answers == [None]
         assert room.answer(posted[0]) == ""
-        assert room.report.position_steps == (1, 0, 0)
+        # At once, and half a second later: the second pulse was under way.
+        assert room.report.position_steps == (2, 0, 0)
 
     def test_told_to_close_it_leaves_at_once(self) -> None:
         room = Room()

@@ -18,8 +18,9 @@ from fraese.motor.bridge.constants import (
     TABLE_MAX,
     TABLE_MIN,
 )
+from fraese.motor.seams import HALF_Q16
 
-_FORMAT: Final = struct.Struct("<7B4BB8B2B4B2BHHHLBBBH")
+_FORMAT: Final = struct.Struct("<7B4BB8B2B4B2BHHHLBBBHH")
 
 
 #: Data bits of clock and direction where every motor is in the socket of its number.
@@ -57,6 +58,7 @@ class CardFacts:
         switch_mask, switch_value: contact, as the status register reads.
         readings: that make or end a contact.
         silence_ms: longest silence of the host; 0: no limit.
+        duty_q16: share of its interval for which a clock is away from rest, 1/65536.
     """
 
     kind: int
@@ -82,6 +84,7 @@ class CardFacts:
     switch_value: int = 0
     readings: int = 3
     silence_ms: int = 0
+    duty_q16: int = HALF_Q16
 
 
 def card_payload(facts: CardFacts) -> bytes:
@@ -103,6 +106,7 @@ def card_payload(facts: CardFacts) -> bytes:
         facts.safe, facts.enable, *bits[:MOTORS_MAX], facts.off, bool(facts.hold),
         facts.pulse_cycles, facts.setup_cycles, facts.beat_cycles, facts.settle_cycles,
         facts.switch_mask, facts.switch_value, facts.readings, facts.silence_ms,
+        facts.duty_q16,
     )  # fmt: skip
     assert len(payload) == CARD_LENGTH
     return payload

@@ -9,7 +9,7 @@ from typing import Final
 from fraese.blocks import WatchAction
 from fraese.motor.seams import Ended
 
-PROTOCOL_VERSION: Final = 2
+PROTOCOL_VERSION: Final = 3
 DEFAULT_BAUD: Final = 250_000
 
 # Bytes on the line.
@@ -123,6 +123,7 @@ RARE_TOP: Final = 0x10
 PIECE_TICKS: Final = 0x03
 PIECE_INTERVAL_SHIFT: Final = 2
 PIECE_ADD_SHIFT: Final = 5
+PIECE_RAMP: Final = 0x80
 DRY_NONE: Final = 0xFF
 
 WATCH_IGNORE: Final = 0
@@ -136,7 +137,7 @@ WATCH_ACTIONS: Final = {
 }
 
 # Cards.
-CARD_LENGTH: Final = 43
+CARD_LENGTH: Final = 45
 CARD_PHASES: Final = 0
 CARD_CLOCKS: Final = 1
 TABLE_MIN: Final = 2

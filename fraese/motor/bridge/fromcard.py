@@ -57,6 +57,7 @@ def _stepdir_facts(card: StepDirCard) -> CardFacts:
         enable=card.enable_mask,
         pulse_cycles=card.pulse_cycles,
         setup_cycles=card.setup_cycles,
+        duty_q16=card.duty_q16,
         beat_cycles=card.beat_cycles,
     )
 

@@ -13,7 +13,7 @@ import struct
 from math import isqrt
 from typing import Final, NamedTuple
 
-from fraese.blocks import Block, Piece
+from fraese.blocks import Block, Piece, ramps
 from fraese.motor.bridge.constants import (
     DRY_NONE,
     LAW_ACCEL,
@@ -24,6 +24,7 @@ from fraese.motor.bridge.constants import (
     MOST_TICKS,
     PIECE_ADD_SHIFT,
     PIECE_INTERVAL_SHIFT,
+    PIECE_RAMP,
     RARE_ACCEL,
     RARE_JUMP,
     RARE_OUTPUTS,
@@ -186,12 +187,13 @@ def _unexpected_top(pieces: list[Piece]) -> int:
 def _pieces(pieces: list[Piece], moves: bool) -> bytes:
     out = bytearray()
     goes_on_q8 = 0
-    for number, piece in enumerate(pieces):
+    for number, (piece, is_ramp) in enumerate(zip(pieces, ramps(pieces, moves), strict=True)):
         is_rest = moves and number == len(pieces) - 1
         ticks_form, ticks = (0, b"") if is_rest else _ticks(piece.ticks)
         form, interval = _interval(piece.interval_q8, goes_on_q8)
         add_form, add = _add(piece.add_q8)
-        out.append(ticks_form | form << PIECE_INTERVAL_SHIFT | add_form << PIECE_ADD_SHIFT)
+        forms = ticks_form | form << PIECE_INTERVAL_SHIFT | add_form << PIECE_ADD_SHIFT
+        out.append(forms | PIECE_RAMP * is_ramp)
         out += ticks + interval + add
         goes_on_q8 = piece.interval_q8 + piece.ticks * piece.add_q8 & U32
     return bytes(out)

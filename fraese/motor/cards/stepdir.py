@@ -1,11 +1,12 @@
 """Step/direction drives (X4Step, the paper): all motors in one byte.
 
     data     ==X(dir)=====X(clocks high)===X(clocks low)==
-               |<- setup ->|<-- half int. -->|
+               |<- setup ->|<---- pulse ---->|
     status                  r
 
 Rule 1: a step counts at the edge away from rest; all clocks of a tick leave it in one write.
-Rule 2: direction lines change while the clocks rest, and only those of motors that will move.
+Rule 2: direction lines change while the clocks rest, or with the edge where no set-up time is asked
+        for; and only those of motors that will move.
 Rule 3: inverted clocks and directions are a matter of the byte only.
 """
 
@@ -22,15 +23,23 @@ _CYCLES_PER_US: Final = 16
 
 
 class StepDirProfile(NamedTuple):
-    """Timing of a step/direction wiring, in cycles."""
+    """Timing of a step/direction wiring.
+
+    Attributes:
+        setup_cycles: from a change of direction to the next edge; 0: both in one write.
+        pulse_cycles: shortest pulse, and shortest pause.
+        max_rate_hz: of a motor.
+        duty: share of its interval for which a clock is away from rest, between 0 and 1.
+    """
 
     setup_cycles: int
     pulse_cycles: int
     max_rate_hz: int
+    duty: float = 0.5
 
 
 #: X4Step: clock high and low equally long, never under 25 us, direction 100 us ahead. The paper:
-#: at least 0.5 us, direction and clock together; its top speed is 133 kHz.
+#: at least 0.5 us, direction and clock in one write; its top speed is 133 kHz.
 STEPDIR_PROFILES: Final = {
     "x4step": StepDirProfile(100 * _CYCLES_PER_US, 25 * _CYCLES_PER_US, 20_000),
     "paper": StepDirProfile(0, _CYCLES_PER_US // 2, 133_333),
@@ -78,6 +87,7 @@ class StepDirCard:
         self.motors = motors = len(self.sockets)
         self.setup_cycles = profile.setup_cycles
         self.pulse_cycles = profile.pulse_cycles
+        self.duty_q16 = round(profile.duty * 0x10000)
         self.forward_high = forward_high
         self._forward = 1 if forward_high else -1
         self.enable_mask = 0 if enable is None else 1 << enable
@@ -117,7 +127,8 @@ class StepDirCard:
             return NOTHING
         self._data = data
         self._rebuild()
-        return self.fall
+        # Without a set-up time they change with the first edge.
+        return self.fall if self.setup_cycles else NOTHING
 
     def tick(self, moving: int) -> Entries:
         """All clocks of the tick rise in one byte; one reading."""

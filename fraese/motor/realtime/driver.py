@@ -121,6 +121,8 @@ class RealtimeDriver:
             StateError: while steps are being made.
         """
         self._command(mailbox.FLUSH)
+        # Whatever run it ended, the caller knows now that nothing of it is left.
+        self._session.know(self._session.ask().generation)
         self._session.forget()
 
     def idle(self, level: IdleLevel) -> None:

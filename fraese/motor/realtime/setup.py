@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
-from fraese.motor.seams import Card, Port
+from fraese.motor.seams import HALF_Q16, Card, Port
 from fraese.motor.switches import SwitchInput
 
 #: A gap between two waits in which there is time to sleep, s: a nap, and the spin after it.
@@ -74,5 +74,6 @@ class Setup:
     inherited: tuple[int, ...] = ()
 
     def gap_s(self) -> float:
-        """Between two waits at the highest rate: with clock lines there are two waits a tick."""
-        return 1 / self.options.top_rate_hz / (2 if self.card.fall else 1)
+        """Shortest wait at the highest rate: with clock lines there are two waits a tick."""
+        duty = self.card.duty_q16 / (2 * HALF_Q16)
+        return (min(duty, 1 - duty) if self.card.fall else 1) / self.options.top_rate_hz

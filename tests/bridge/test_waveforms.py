@@ -1,0 +1,94 @@
+"""The lines of step/direction drives from the firmware: the rules of the X4Step manual."""
+
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+from fraese.blocks import Block
+from fraese.motor.bridge import constants as c
+from fraese.motor.ports.recorder import Access
+from tests.bridge.device import Device, reason_to_skip
+from tests.bridge.peers import clock_kind, device_for, device_writes
+from tests.motor.test_waveforms import path, paths
+from tests.motor.waves import Waves
+
+pytestmark = pytest.mark.skipif(bool(reason_to_skip()), reason=reason_to_skip())
+
+_SLOW = settings(
+    max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow],
+    phases=[Phase.explicit, Phase.generate],
+)  # fmt: skip
+
+SHORTEST_CYCLES = 400
+LEAD_CYCLES = 1600
+#: From the directions to the first edge, with what is worked out meanwhile: 140 us.
+LONGEST_LEAD_CYCLES = 2240
+#: The first tick of a brake is worked out in its pause.
+THROTTLED_CYCLES = 2000
+RATES_HZ = (300, 20_000)
+
+
+def waves_of(device: Device) -> Waves:
+    """All lines since the card was loaded; times in cycles."""
+    return Waves([Access(w.cycle, w.register, w.value) for w in device_writes(device)])
+
+
+def assert_pulses(waves: Waves, worked_out_cycles: int = 2) -> None:
+    """No pause is shorter than its pulse, and none longer by more than that."""
+    assert waves.shortest_ns() >= SHORTEST_CYCLES
+    assert waves.lead_ns() >= LEAD_CYCLES
+    assert len(waves.boost.stretches()) <= 2
+    pulses = [fall - rise for rise, fall in waves.pulses()]
+    for pause, pulse in zip(waves.pauses_ns(), pulses[1:], strict=True):
+        assert -2 <= pause - pulse <= worked_out_cycles
+    together = sorted({stretch for clock in waves.clocks for stretch in clock.stretches()})
+    assert together == sorted(waves.pulses())
+
+
+@_SLOW
+@given(paths(RATES_HZ))
+def test_a_path(block: Block) -> None:
+    device = device_for(clock_kind("x4step"))
+    device.push([block])
+    device.start()
+    status = device.stand_still()
+    waves = waves_of(device)
+    assert (status.ended, status.late_ticks) == (c.ENDED_TARGET, 0)
+    assert waves.steps() == block.steps
+    assert_pulses(waves)
+    [(active, _)] = waves.active.stretches()
+    assert waves.pulses()[0][0] - active <= LONGEST_LEAD_CYCLES
+
+
+@pytest.mark.parametrize("urgent", [c.URGENT_BRAKE, c.URGENT_STOP])
+@_SLOW
+@given(block=paths(RATES_HZ), part=st.floats(0, 1))
+def test_a_brake_or_a_stop_at_any_time(urgent: int, block: Block, part: float) -> None:
+    """Pulses are whole, and what is told of them is what was made."""
+    device = device_for(clock_kind("x4step"))
+    device.push([block])
+    device.start()
+    device.run(round(block.duration_cycles() * part) + 1)
+    device.urgent(urgent)
+    status = device.stand_still()
+    waves = waves_of(device)
+    assert_pulses(waves, THROTTLED_CYCLES)
+    leader = max(range(4), key=lambda motor: abs(block.steps[motor]))
+    assert abs(waves.steps()[leader]) == status.place.done
+
+
+def test_a_brake_in_the_paths_own_braking_holds_only_until_the_queue_is_dropped() -> None:
+    device = device_for(clock_kind("x4step"))
+    block = path(200, rate_hz=2000, ramp_ms=100)
+    device.push([block])
+    device.start()
+    device.run(round(block.duration_cycles() * 0.8))
+    device.urgent(c.URGENT_BRAKE)
+    status = device.stand_still()
+    assert (status.ended, status.place.done) == (c.ENDED_TARGET, 200)
+    assert status.state & c.State.HELD
+    assert device.command(c.KIND_FLUSH) == 0
+    device.push([block], epoch=device.ask().ack.epoch)
+    device.start(device.ask().ack.epoch)
+    assert device.stand_still().ended == c.ENDED_TARGET
+    assert waves_of(device).steps() == (400, 0, 0, 0)
