@@ -47,17 +47,7 @@ uint32_t ratio_q16(uint32_t a, uint32_t b)
     if (!a)
         return whole << 16;
     line_poll();
-    for (uint8_t bit = 16; bit; bit--) {
-        if (!(bit & 7))
-            line_poll();
-        a <<= 1;
-        whole <<= 1;
-        if (a >= b) {
-            a -= b;
-            whole |= 1;
-        }
-    }
-    return whole;
+    return whole << 16 | fraction_q16(a, b);
 }
 
 uint32_t scaled_rate(uint32_t rate, uint16_t wanted, uint16_t planned)

@@ -17,6 +17,9 @@ uint32_t product_q16(uint32_t a, uint32_t b);
 /* (a << 16) / b; both below 2^24, b not 0. */
 uint32_t ratio_q16(uint32_t a, uint32_t b);
 
+/* The same where a is less than b (product.S). */
+uint16_t fraction_q16(uint32_t a, uint32_t b);
+
 /* max(1, rate * wanted / planned); planned not 0. */
 uint32_t scaled_rate(uint32_t rate, uint16_t wanted, uint16_t planned);
 

@@ -51,7 +51,8 @@ static inline uint8_t beat_count(void)
  *
  * What is waited for is a little later than `due`, by as much as the shortest way from the reading
  * of the counter to the writes takes: so being just in time needs no way of its own. The loop takes
- * off 3 cycles at a time; the two comparisons behind it the rest, 0 to 2, as one cycle each.
+ * off 3 cycles at a time; the two comparisons behind it the rest, 0 to 2, as one cycle each. Who is
+ * late takes the same way as who is just in time, so that it is known to the cycle how late.
  */
 #define WAIT_OUT                     \
     "lds  __tmp_reg__, %[count_low]  \n\t" \
@@ -60,34 +61,40 @@ static inline uint8_t beat_count(void)
     "sbc  %B[left], __tmp_reg__      \n\t" \
     "subi %A[left], 0xF0             \n\t" \
     "sbci %B[left], 0xFF             \n\t" \
-    "brmi 2f                         \n\t" \
+    "movw %A[spare], %A[left]        \n\t" \
+    "brpl 1f                         \n\t" \
+    "ldi  %A[left], 0                \n\t" \
     "1: subi %A[left], 3             \n\t" \
     "brcc 1b                         \n\t" \
     "cpi  %A[left], 0xFE             \n\t" \
     "brsh .+0                        \n\t" \
     "cpi  %A[left], 0xFF             \n\t" \
-    "brsh .+0                        \n\t" \
-    "ldi  %A[left], 0                \n\t" \
-    "ldi  %B[left], 0                \n\t" \
-    "2:                              \n\t"
+    "brsh .+0                        \n\t"
 #define COUNTER [count_low] "n"(_SFR_MEM_ADDR(TCNT1L)), [count_high] "n"(_SFR_MEM_ADDR(TCNT1H))
+
+HERE uint16_t lateness(int16_t spare)
+{
+    return spare < 0 ? (uint16_t)-spare : 0;
+}
 
 /* How late it is; 0: it was waited for. */
 HERE uint16_t wait_for(uint16_t due)
 {
-    __asm__ __volatile__(WAIT_OUT : [left] "+d"(due) : COUNTER);
-    return -due;
+    int16_t spare;
+    __asm__ __volatile__(WAIT_OUT : [left] "+d"(due), [spare] "=&r"(spare) : COUNTER);
+    return lateness(spare);
 }
 
 /* The same, and the writes. */
 #define DEFINE_WRITE_AT(name, one, other)                                                   \
     HERE uint16_t name(uint16_t due, uint8_t a, uint8_t b)                                  \
     {                                                                                       \
+        int16_t spare;                                                                      \
         __asm__ __volatile__(WAIT_OUT "out %[one_], %[a_] \n\t out %[other_], %[b_]"        \
-                             : [left] "+d"(due)                                             \
+                             : [left] "+d"(due), [spare] "=&r"(spare)                       \
                              : COUNTER, [one_] "I"(_SFR_IO_ADDR(one)),                      \
                                [other_] "I"(_SFR_IO_ADDR(other)), [a_] "r"(a), [b_] "r"(b)); \
-        return -due;                                                                        \
+        return lateness(spare);                                                             \
     }
 
 DEFINE_WRITE_AT(write_data_at, PORT_LOW, PORT_HIGH)

@@ -53,6 +53,7 @@ beat:
 3:  rjmp 8f
 7:  com  r24
     com  r25
+    adiw r24, 4                     // 1, and what this way is longer than the other
     sts  player + PLAYER_LATE, r24
     sts  player + PLAYER_LATE + 1, r25
     sbi  WANT, IS_LATE

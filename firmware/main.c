@@ -62,8 +62,10 @@ static void begin(void)
  * these are few: the motors wait for it, the host does not. */
 static void mind_line(void)
 {
-    if (!player_has_block() && line_waiting() < MANY_BYTES)
+    if (line_waiting() < MANY_BYTES)
         reader_service();
+    if (player.halt == STARVED)
+        run_service(); /* what was waited for may be there: reports can wait */
     frames_receive();
     frames_send();
     throttle_service();

@@ -43,6 +43,9 @@ static struct {
     uint16_t serial;
 } reading;
 
+/* On its own: inlined, it would leave its caller no registers. */
+#define APART __attribute__((noinline))
+
 /* ---- the ring */
 
 SELDOM static void store(const uint8_t *bytes, uint8_t count)
@@ -71,7 +74,7 @@ static uint8_t take_u8(void)
     return byte;
 }
 
-static __attribute__((noinline)) uint32_t take(uint8_t bytes)
+APART static uint32_t take(uint8_t bytes)
 {
     union {
         uint32_t value;
@@ -240,7 +243,7 @@ SELDOM static void take_limits(uint8_t law, uint8_t rare)
 
 static const uint8_t widths[] = {1, 2, 4, 4};
 
-static void set_mover(struct mover *mover, uint8_t motor, bool forward)
+APART static void set_mover(struct mover *mover, uint8_t motor, bool forward)
 {
     if (card.facts.type == CARD_CLOCKS) {
         mover->at = card.facts.motor_bits[motor] & 0xAA;
@@ -252,53 +255,56 @@ static void set_mover(struct mover *mover, uint8_t motor, bool forward)
 }
 
 /* Steps of every motor; the longest way. */
-static uint32_t take_steps(struct block *block, uint8_t shape, ticks_t steps[])
+APART static ticks_t take_steps(struct block *block, uint8_t shape, ticks_t *steps)
 {
     uint8_t width = widths[(shape >> SHAPE_WIDTH_SHIFT) & 3];
-    uint32_t longest = 0;
-    block->moving = shape & SHAPE_MOTORS;
-    block->forward = 0;
-    for (uint8_t motor = 0; motor < MOTORS_MAX; motor++) {
-        uint8_t bit = (uint8_t)_BV(motor);
-        if (!(block->moving & bit))
+    uint8_t moving = shape & SHAPE_MOTORS, forward = 0, leader = 0, leading = 0;
+    ticks_t longest = 0;
+    for (uint8_t motor = 0, bit = 1; motor < MOTORS_MAX; motor++, bit <<= 1, steps++) {
+        if (!(moving & bit))
             continue;
         int32_t way = take_signed(width);
         if (way > 0)
-            block->forward |= bit;
-        steps[motor] = way < 0 ? -(uint32_t)way : (uint32_t)way;
-        if (steps[motor] > longest) {
-            longest = steps[motor];
-            block->leading = bit;
-            set_mover(&block->leader, motor, way > 0);
+            forward |= bit;
+        ticks_t length = (ticks_t)(way < 0 ? -way : way);
+        *steps = length;
+        if (length > longest) {
+            longest = length;
+            leader = motor;
+            leading = bit;
         }
     }
+    block->moving = moving;
+    block->forward = forward;
+    block->leading = leading;
+    if (moving)
+        set_mover(&block->leader, leader, forward & leading);
     return longest;
 }
 
 /* Eighths of these many ticks take 16 bits. */
 #define NARROW_TICKS (0x10000UL >> 3)
 
-static void set_minors(struct block *block, const ticks_t steps[])
+APART static void set_minors(struct block *block, const ticks_t *steps)
 {
-    uint8_t count = 0;
-    block->limit = block->ticks << 3;
-    block->narrow = block->wide = 0;
-    for (uint8_t motor = 0; motor < MOTORS_MAX; motor++) {
-        uint8_t bit = (uint8_t)_BV(motor);
+    ticks_t ticks = block->ticks, limit = ticks << 3;
+    struct minor *minor = block->minor;
+    uint8_t count = 0, bits = block->moving & (uint8_t)~block->leading;
+    block->limit = limit;
+    for (uint8_t motor = 0, bit = 1; motor < MOTORS_MAX; motor++, bit <<= 1, steps++) {
         line_poll();
-        if (!(block->moving & bit) || bit == block->leading)
+        if (!(bits & bit))
             continue;
-        struct minor *minor = &block->minor[count];
         set_mover(&minor->mover, motor, block->forward & bit);
-        minor->sum = ((block->ticks - steps[motor]) >> 1 << 3) - block->limit;
-        block->steps[count] = steps[motor];
+        minor->sum = ((ticks - *steps) >> 1 << 3) - limit;
+        minor++;
+        block->steps[count] = *steps;
         block->minor_bits[count] = bit;
         count++;
     }
-    if (block->ticks < NARROW_TICKS)
-        block->narrow = count;
-    else
-        block->wide = count;
+    bool is_narrow = ticks < NARROW_TICKS;
+    block->narrow = is_narrow ? count : 0;
+    block->wide = is_narrow ? 0 : count;
 }
 
 /* Direction bits of the motors that move; the others keep theirs. */
@@ -336,7 +342,7 @@ static void block_is_ready(void)
     player_offer();
 }
 
-static void read_head(void)
+APART static void read_head(void)
 {
     struct block *block = &blocks[reading.slot];
     ticks_t steps[MOTORS_MAX];
@@ -473,7 +479,7 @@ SELDOM static void read_piece(void)
 }
 
 /* Ratios of the coming junction, for a throttle that may not be open then. While it is open, what
- * comes over the line goes first. */
+ * comes over the line goes first. One at a time: a slot may become free meanwhile. */
 SELDOM static bool prepare_junction(void)
 {
     if (throttle.state == OPEN && line_waiting())
@@ -483,7 +489,11 @@ SELDOM static bool prepare_junction(void)
         return false;
     if (!block->moving || !block->exit_cycles || !block->entry_cycles)
         return false;
-    block->slower_q16 = ratio_q16(block->entry_cycles, block->exit_cycles);
+    if (!(block->flags & BLOCK_SLOWER)) {
+        block->slower_q16 = ratio_q16(block->entry_cycles, block->exit_cycles);
+        block->flags |= BLOCK_SLOWER;
+        return true;
+    }
     block->faster_q16 = ratio_q16(block->exit_cycles, block->entry_cycles);
     __asm__ __volatile__("" ::: "memory");
     block->flags |= BLOCK_RATIOS;
@@ -500,15 +510,14 @@ bool reader_service(void)
 {
     if (reading.is_broken)
         return false;
-    if (reading.pieces_left) {
-        if (reading.is_ready && ((piece_head + 1) & (PIECES - 1)) == piece_tail)
+    if (!reading.pieces_left) {
+        if (!records_waiting || !is_slot_free())
             return prepare_junction();
-        read_piece();
-        return true;
-    }
-    if (records_waiting && is_slot_free()) {
         read_head();
-        return true;
+    } else if (reading.is_ready && ((piece_head + 1) & (PIECES - 1)) == piece_tail) {
+        return prepare_junction();
     }
-    return prepare_junction();
+    if (reading.pieces_left)
+        read_piece();
+    return true;
 }

@@ -113,6 +113,7 @@ struct block {
 /* struct block: flags */
 #define BLOCK_RATIOS 0x01  /* slower_q16 and faster_q16 are ready */
 #define BLOCK_CEILING 0x02 /* ceiling_q8 is ready */
+#define BLOCK_SLOWER 0x04  /* slower_q16 is, at least */
 
 /* A piece of a time law that is not the first one: that one stands in the block. */
 struct piece {
