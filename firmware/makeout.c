@@ -7,7 +7,7 @@
 
 #define MOST_BEATS 8
 
-SELDOM void share_out(struct block *block, uint8_t beats)
+void share_out(struct block *block, uint8_t beats)
 {
     for (uint8_t i = 0; i < minors_of(block); i++) {
         ticks_t add = block->steps[i];
@@ -72,9 +72,9 @@ void make_out_outputs(struct block *block)
 /* A minor axis in one beat: true when it steps. */
 static bool minor_steps(struct minor *minor, ticks_t limit)
 {
-    uint32_t sum = (uint32_t)minor->sum + minor->add;
-    bool steps = sum >> 24;
-    minor->sum = steps ? (ticks_t)sum - limit : (ticks_t)sum;
+    ticks_t add = minor->add, sum = minor->sum + add;
+    bool steps = sum < add;
+    minor->sum = steps ? sum - limit : sum;
     return steps;
 }
 
@@ -96,7 +96,8 @@ uint32_t make_out_phases(void)
     struct block *block = player.block;
     struct entry *entry = beat.entry;
     uint32_t wait = 0, beat_cycles = player.cycles;
-    uint8_t left = player.beats_left;
+    uint8_t left = player.beats_left, minors = minors_of(block);
+    ticks_t limit = block->limit;
     for (uint8_t n = block->beats; n > 1; n >>= 1)
         beat_cycles >>= 1;
     beat.mask = 0;
@@ -107,9 +108,10 @@ uint32_t make_out_phases(void)
             if (block->moving)
                 add_movement(entry++, block->leader);
         }
-        for (uint8_t i = 0; i < minors_of(block); i++)
-            if (minor_steps(&block->minor[i], block->limit))
-                add_movement(entry++, block->minor[i].mover);
+        struct minor *minor = block->minor;
+        for (uint8_t i = minors; i; i--, minor++)
+            if (minor_steps(minor, limit))
+                add_movement(entry++, minor->mover);
     } while (left && entry == beat.entry);
     beat.end = (uint8_t)(uintptr_t)entry;
     player.beats_left = left;
@@ -120,11 +122,10 @@ void make_out_clocks(void)
 {
     struct block *block = player.block;
     uint8_t edges = block->moving ? block->leader.at : 0;
-    for (uint8_t i = 0; i < minors_of(block); i++) {
-        struct minor *minor = &block->minor[i];
+    struct minor *minor = block->minor;
+    for (uint8_t i = minors_of(block); i; i--, minor++)
         if (minor_steps(minor, block->limit))
             edges |= minor->mover.at;
-    }
     uint8_t data = card.data ^ edges;
     beat.mask = edges;
     beat.entry[0].low = DATA_LOW(data);
@@ -141,7 +142,7 @@ void make_out_piece_ahead(const struct block *block, struct piece *piece)
     piece->ramps = is_plain ? ramps_of(piece->add_q8) : RAMP_SLOW;
 }
 
-SELDOM void make_out_ahead(struct block *block)
+void make_out_ahead(struct block *block)
 {
     if (minors_of(block) && card.facts.beat_cycles && card.facts.beat_cycles < 0x8000)
         block->shortest = (uint16_t)(2 * card.facts.beat_cycles);

@@ -222,7 +222,7 @@ static uint32_t take_short(void)
     return (uint32_t)mantissa << (take_u8() & 31);
 }
 
-SELDOM static void take_limits(uint8_t law, uint8_t rare)
+APART static void take_limits(uint8_t law, uint8_t rare)
 {
     if (law & LAW_ACCEL)
         reading.accel_q = take_short();
@@ -428,7 +428,7 @@ static void finish_block(struct block *block)
     block_is_ready();
 }
 
-SELDOM static void read_piece(void)
+APART static void read_piece(void)
 {
     struct block *block = &blocks[reading.slot];
     uint8_t shape = take_u8();
