@@ -350,9 +350,12 @@ void player_cut(void)
 
 static uint8_t or_stop(bool goes_on)
 {
-    if (!goes_on)
-        TIMSK1 = 0;
-    return goes_on ? TIMER_SET : 0;
+    if (goes_on)
+        return TIMER_SET;
+    TIMSK1 = 0;
+    if (player.halt != STARVED)
+        card_rest(); /* with the last fall, whatever the main loop is doing */
+    return 0;
 }
 
 /* The tick is taken: its beats for beats.S to go on, or TIMER_SET. */

@@ -5,10 +5,11 @@ Rule 1: steps that are told of are rising edges, whoever makes them.
 
 import json
 import random
+from bisect import bisect_right
 from pathlib import Path
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from fraese.motor.ports.null import NullPort
@@ -25,6 +26,8 @@ LEAD_NS = 100_000
 ENDS = ("", "brake", "stop")
 #: The first tick of a brake is worked out in its pause by the microcontroller, and so is a seam.
 WORKED_OUT_NS = 125_000
+#: From the last fall until it takes back its signals.
+REST_NS = 100_000
 #: From the directions to the first edge there, with what is worked out meanwhile.
 CHIP_LEAD_NS = 140_000
 
@@ -46,6 +49,8 @@ class Stage:
         """The lines while it was driven; the steps that are told of are edges."""
         begun = len(self._accesses)
         told = drive(self.motors, motion)
+        # What a microcontroller wrote last is seen a little later.
+        self.motors.pass_time(0.002)
         self._told = tuple(a + b for a, b in zip(self._told, told, strict=True))
         assert Waves(self._accesses).steps() == self._told
         if not motion.end:
@@ -81,13 +86,23 @@ def assert_rules(waves: Waves, worked_out_ns: float = 2 * CYCLE_NS) -> None:
     assert len(waves.active.stretches()) <= 1
 
 
-def assert_boost(waves: Waves, motion: Motion) -> None:
-    """High in every interval that is longer than the level one, and in no other."""
+def assert_boost(waves: Waves, motion: Motion, behind_ns: int = 0) -> None:
+    """High in every interval that is longer than the level one, and in no other.
+
+    Args:
+        waves: its lines.
+        motion: driven whole.
+        behind_ns: so long after the fall between two rates it may change.
+    """
     law = intervals_q8(motion)
     edges = [start for start, _ in waves.active.stretches()] + [fall for _, fall in waves.pulses()]
     level = min(law)
-    assert [waves.boost.at(at) for at in edges[:-1]] == [q8 > level for q8 in law]
-    assert {at for stretch in waves.boost.stretches() for at in stretch} <= set(edges)
+    assert [waves.boost.at(at + behind_ns) for at in edges[:-1]] == [q8 > level for q8 in law]
+    for at in (at for stretch in waves.boost.stretches() for at in stretch):
+        # Lines on two ports of a board change a cycle apart.
+        last = bisect_right(edges, at + 2 * CYCLE_NS) - 1
+        assert at - edges[last] <= (behind_ns if last < len(law) else REST_NS)
+        assert at >= edges[0] - 2 * CYCLE_NS
 
 
 @given(st.lists(motions(), min_size=1, max_size=3))
@@ -133,7 +148,7 @@ def test_brakes_and_stops_at_any_time(wanted: list[Motion]) -> None:
 
 @pytest.mark.skipif(bool(missing()), reason=missing())
 @pytest.mark.parametrize("kind", ["ppdev", "devport"])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_fake_port_gets_what_the_simulated_one_gets(
     tmp_path: Path, kind: str, seed: int
 ) -> None:
@@ -141,12 +156,12 @@ def test_the_fake_port_gets_what_the_simulated_one_gets(
     wanted = [
         Motion(
             (*(chance.randint(-90, 90) for _ in range(3)), chance.choice([-95, 95])),
-            freq := chance.choice([10, 50, 700, 5000, 20_000]),
+            freq := chance.choice([200, 700, 5000, 20_000]),
             chance.randint(0, min(freq, 1000)),
             chance.choice(ENDS),
             chance.random() * 1.1,
         )
-        for _ in range(12)
+        for _ in range(8)
     ]
     fake = FakePort(tmp_path)
     told = json.loads(fake.python("tests.x4step.motions", kind, json.dumps(wanted)))
@@ -164,8 +179,8 @@ def test_the_fake_port_gets_what_the_simulated_one_gets(
 
 
 @pytest.mark.skipif(bool(reason_to_skip()), reason=reason_to_skip())
-@settings(max_examples=12)
-@given(st.lists(motions((300, 20_000), ENDS), min_size=1, max_size=3))
+@settings(max_examples=12, phases=[Phase.explicit, Phase.generate])
+@given(st.lists(motions((1000, 20_000), ENDS), min_size=1, max_size=2))
 def test_the_firmware(wanted: list[Motion]) -> None:
     from tests.x4step.test_bridge import ChipLab
 
@@ -179,4 +194,4 @@ def test_the_firmware(wanted: list[Motion]) -> None:
                 (start_ns, _), *_ = waves.active.stretches()
                 assert waves.pulses()[0][0] - start_ns <= CHIP_LEAD_NS
             if len(motion.blocks()) == 1 and not motion.end:
-                assert_boost(waves, motion)
+                assert_boost(waves, motion, SHORTEST_NS)
