@@ -62,7 +62,7 @@ static void begin(void)
  * these are few: the motors wait for it, the host does not. */
 static void mind_line(void)
 {
-    if (line_waiting() < MANY_BYTES)
+    if (!player_has_block() && line_waiting() < MANY_BYTES)
         reader_service();
     if (player.halt == STARVED)
         run_service(); /* what was waited for may be there: reports can wait */

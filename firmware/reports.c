@@ -14,7 +14,7 @@
 #include "throttle.h"
 
 #define FIRMWARE_MAJOR 1
-#define FIRMWARE_MINOR 1
+#define FIRMWARE_MINOR 2
 
 static uint8_t reset_reason;
 static uint16_t boots;

@@ -54,7 +54,6 @@ class Pulses(Ticks):
         self._ramps = iter(ramps((), moves=False))
         #: The clock is up until then; 0: it rests.
         self._fall_at_cycles = 0
-        self._rose_at_cycles = 0
         #: The last fall came so late.
         self._behind_ns = 0
         #: The next edge keeps rules of its own: it begins a run, or its directions have turned.
@@ -107,6 +106,7 @@ class Pulses(Ticks):
         tick, stepped = self._card.tick, self._card.stepped
         interval_q8, add_q8, left = cursor.interval_q8, cursor.add_q8, cursor.piece_left
         shortest, is_half = self._shortest_cycles, self._duty_q16 == HALF_Q16
+        least = 2 * shortest
         try:
             while left:
                 if self._fall_at_cycles and not self._fall(end_ns):
@@ -120,11 +120,11 @@ class Pulses(Ticks):
                         break
                     # Should the wait be broken off, this is what was waited for.
                     governor.awaited_cycles = cycles
-                if cycles < 2 * shortest:
-                    cycles = 2 * shortest
+                if cycles < least:
+                    cycles = least
                 pulse = cycles >> 1 if is_half else self._pulse(cycles)
                 rise_at = self._due_cycles + cycles - pulse
-                if self._is_special:
+                if is_special := self._is_special:
                     rise_at = self._rise_at(cursor, cycles - pulse)
                 elif self._behind_ns:
                     self._make_up(min(cycles >> 4, cycles - pulse - shortest))
@@ -146,8 +146,8 @@ class Pulses(Ticks):
                 for register, value in entries:
                     access[register](value)
                 governor.awaited_cycles = 0
-                self._rose_at_cycles = rise_at
-                self._is_special = self._from_rest = False
+                if is_special:
+                    self._is_special = self._from_rest = False
                 self._fall_at_cycles = self._due_cycles = fall_at
                 if now_ns > deadline_ns:
                     spare = min(cycles >> 4, pulse - shortest)
@@ -197,7 +197,7 @@ class Pulses(Ticks):
         fall_at, interval = self._fall_at_cycles, self._track.last_cycles
         deadline_ns = self._at_ns(fall_at)
         if interval > READING_CYCLES and not self._read_until(
-            self._rose_at_cycles, fall_at, end_ns
+            fall_at - self._pulse(interval), fall_at, end_ns
         ):
             return False
         if deadline_ns > end_ns:

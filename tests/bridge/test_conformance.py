@@ -1,9 +1,10 @@
 """Firmware and polled core make the same register writes, in the same order, at the same cycles."""
 
 from dataclasses import dataclass
+from typing import Any, Final
 
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import HealthCheck, Phase, example, given, settings
 from hypothesis import strategies as st
 
 from fraese.blocks import Block, Outputs, Piece, dwell
@@ -149,8 +150,28 @@ LONG_CLOCKS = Range(4, 250_000)
 DUTIES = (0x30 / (0x30 + 2 * 0x0310), 0.2, 0.5)
 
 
+def short(steps: tuple[int, ...], interval_q8: int, accel_q: int, **more: Any) -> Block:
+    """A block of one tick, whose limits are others than those before it."""
+    return Block(steps, (Piece(1, interval_q8, 0),), accel_q, _ANY_RATE, weight=1, **more)
+
+
+#: What is to be read in a tick is as long as it can be.
+SHORT: Final = [
+    short((1, 1, 1), 1_536_002 + 257 * n, 4112 * (n + 1), ends_at_rest=n == 7) for n in range(8)
+]
+#: The block that begins after a dwell, with outputs, takes long in the interrupt too.
+AFTER_DWELL: Final = [
+    dwell(3, 0.0078125),
+    short((1, 1, 1), 1_536_000, 16, ends_at_rest=False, outputs=Outputs(1, 1)),
+    Block((1, 1, 2), (Piece(2, 1_152_000, 1),), 32, _ANY_RATE, weight=1, ends_at_rest=False),
+    Block((0, 1, 2), (Piece(2, 1_152_000, 0),), 16, _ANY_RATE, weight=1),
+]
+
+
 @_SLOW
 @given(blocks=queues(EXACT_PHASES))
+@example(blocks=SHORT)
+@example(blocks=AFTER_DWELL)
 def test_phase_card_to_the_cycle(blocks: list[Block]) -> None:
     play_both(PHASES, blocks)
 

@@ -77,6 +77,19 @@ def test_a_brake_or_a_stop_at_any_time(urgent: int, block: Block, part: float) -
     assert abs(waves.steps()[leader]) == status.place.done
 
 
+@pytest.mark.parametrize("at_cycle", range(0, 6000, 1500))
+def test_pulses_of_steps_that_come_late_are_whole(at_cycle: int) -> None:
+    """A brake before the first step of a fast path: every edge of it is late."""
+    device = device_for(clock_kind("x4step"))
+    device.push(
+        [path(7, rate_hz=19_900, ramp_ms=0)._replace(accel_q=1 << 20, jump_rate_q8=5_079_040)]
+    )
+    device.start()
+    device.urgent(c.URGENT_BRAKE, at_cycle=device.avr.cycle + at_cycle)
+    device.stand_still()
+    assert waves_of(device).shortest_ns() >= SHORTEST_CYCLES
+
+
 def test_a_brake_in_the_paths_own_braking_holds_only_until_the_queue_is_dropped() -> None:
     device = device_for(clock_kind("x4step"))
     block = path(200, rate_hz=2000, ramp_ms=100)

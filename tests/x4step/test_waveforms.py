@@ -19,7 +19,7 @@ from fraese.x4step.testing import simulation
 from tests.bridge.device import reason_to_skip
 from tests.motor.waves import CYCLE_NS, Waves
 from tests.rigs.lpt.fakeport import FakePort, after_claim, missing, writes
-from tests.x4step.motions import Motion, drive, motions, simulated_writes
+from tests.x4step.motions import Motion, Steps, drive, motions, simulated_writes
 
 SHORTEST_NS = 25_000
 LEAD_NS = 100_000
@@ -43,7 +43,7 @@ class Stage:
     def __init__(self, motors: X4Step, accesses: list[Access]) -> None:
         self.motors = motors
         self._accesses = accesses
-        self._told = (0, 0, 0, 0)
+        self._told: Steps = (0, 0, 0, 0)
 
     def see(self, motion: Motion) -> Waves:
         """The lines while it was driven; the steps that are told of are edges."""
