@@ -26,6 +26,8 @@ LEAD_NS = 100_000
 ENDS = ("", "brake", "stop")
 #: The first tick of a brake is worked out in its pause by the microcontroller, and so is a seam.
 WORKED_OUT_NS = 125_000
+#: So much shorter than its pulse a pause was seen beside a busy main loop: 4 cycles.
+CHIP_EARLY_NS = 250
 #: From the last fall until it takes back its signals.
 REST_NS = 100_000
 #: From the directions to the first edge there, with what is worked out meanwhile.
@@ -69,7 +71,9 @@ def intervals_q8(motion: Motion) -> list[int]:
     ]
 
 
-def assert_rules(waves: Waves, worked_out_ns: float = 2 * CYCLE_NS) -> None:
+def assert_rules(
+    waves: Waves, worked_out_ns: float = 2 * CYCLE_NS, early_ns: float = 2 * CYCLE_NS
+) -> None:
     """What holds for every motion, however it ended."""
     assert waves.shortest_ns() >= SHORTEST_NS
     assert waves.lead_ns() >= LEAD_NS
@@ -78,7 +82,7 @@ def assert_rules(waves: Waves, worked_out_ns: float = 2 * CYCLE_NS) -> None:
     assert together <= set(pulses)
     lengths = [fall - rise for rise, fall in pulses]
     for pause, pulse in zip(waves.pauses_ns(), lengths[1:], strict=True):
-        assert -2 * CYCLE_NS <= pause - pulse <= worked_out_ns
+        assert -early_ns <= pause - pulse <= worked_out_ns
     assert len(waves.boost.stretches()) <= 2
     for rise, fall in pulses:
         assert waves.active.at(rise)
@@ -189,7 +193,7 @@ def test_the_firmware(wanted: list[Motion]) -> None:
         stage = Stage(motors, lab.chip.twin.port.accesses)
         for motion in wanted:
             waves = stage.see(motion)
-            assert_rules(waves, WORKED_OUT_NS)
+            assert_rules(waves, WORKED_OUT_NS, CHIP_EARLY_NS)
             if waves.pulses() and not motion.end:
                 (start_ns, _), *_ = waves.active.stretches()
                 assert waves.pulses()[0][0] - start_ns <= CHIP_LEAD_NS
