@@ -128,6 +128,7 @@
 /* From the compare match to the deadline: entry, an instruction, the longest lock, what is done
  * before the wait; less what the wait adds (wait_out: 16). */
 #define EARLY_CYCLES 42
+#define EARLY_CLOCKS_CYCLES 50 /* with clock lines: the way there is longer */
 #define EARLY_SLOW_CYCLES 200 /* where C does it */
 /* No compare match is set closer than this: it might pass while it is being set. */
 #define NEAR_CYCLES 8

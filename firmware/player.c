@@ -52,8 +52,9 @@ static struct {
 static void set_mode(uint8_t mode)
 {
     MODE = mode;
-    bool is_fast = mode == MODE_PHASES || mode >= MODE_FAST_FALL;
-    player.early = is_fast ? EARLY_CYCLES : EARLY_SLOW_CYCLES;
+    player.early = mode == MODE_PHASES ? EARLY_CYCLES
+        : mode >= MODE_FAST_FALL       ? EARLY_CLOCKS_CYCLES
+                                       : EARLY_SLOW_CYCLES;
 }
 
 static void set_compare(void)
