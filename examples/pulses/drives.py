@@ -74,14 +74,17 @@ class Drives:
 
 
 @contextmanager
-def drives(*, motor: RotorLimits = TIRELESS, trace: Path | None = None) -> Iterator[Drives]:
+def drives(
+    *, duty: float = 0.5, motor: RotorLimits = TIRELESS, trace: Path | None = None
+) -> Iterator[Drives]:
     """Two drives on a simulated port, on virtual time.
 
     Args:
+        duty: share of its interval for which a pulse is high.
         motor: what it can follow.
         trace: a waveform file to be written.
     """
-    profile = STEPDIR_PROFILES["paper"]
+    profile = STEPDIR_PROFILES["paper"]._replace(duty=duty)
     clock = VirtualClock()
     mill = Mill([Slide(math.inf, motor, steps_in_turn=TURN_PULSES)] * MOTORS)
     simulated = SimulatedMill(mill, StepDirElectronics(mill, clock), clock, Wiring(mask=0))

@@ -1,7 +1,7 @@
 """MOTOR.ASM: one motor forward, the other back, 65,535 pulses each, out of two bytes.
 
-The printed program writes 00001011 and 00000001 in turn, with a delay behind each. With one delay
-for both, as here, the pulses are high for half of the time:
+The printed program writes 00001011 and 00000001 in turn, with a delay behind each: 48 passes of a
+loop, and two times 784, so the pulses are high for 3 % of the time. Here:
 
     .venv/bin/python examples/pulses/two_motors.py --trace two.vcd
     .venv/bin/fraese trace two.vcd --to 500us
@@ -18,18 +18,24 @@ from drives import HALF_STEPS, TOP_RATE_HZ, drives
 from fraese.x4step.paths import path
 
 PULSES = 0xFFFF
+#: Passes of the delay loops: behind 00001011, and behind 00000001.
+HIGH_PASSES, LOW_PASSES = 0x30, 2 * 0x0310
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="One motor forward, the other back.")
     parser.add_argument("--pulses", type=int, default=PULSES, help="of each motor")
     parser.add_argument("--rate", type=int, default=10_000, metavar="HZ", help="pulses a second")
+    parser.add_argument(
+        "--duty", type=float, default=HIGH_PASSES / (HIGH_PASSES + LOW_PASSES),
+        metavar="SHARE", help="of the time for which a pulse is high; 0.5 is one delay for both",
+    )  # fmt: skip
     parser.add_argument("--trace", type=Path, metavar="FILE.vcd", help="waveform of the lines")
     told = parser.parse_args()
-    if not (told.pulses > 0 and 10 <= told.rate <= TOP_RATE_HZ):
-        parser.error(f"at least 1 pulse, and 10 to {TOP_RATE_HZ} Hz")
+    if not (told.pulses > 0 and 10 <= told.rate <= TOP_RATE_HZ and 0 < told.duty < 1):
+        parser.error(f"at least 1 pulse, 10 to {TOP_RATE_HZ} Hz, and a share between 0 and 1")
 
-    with drives(trace=told.trace) as port:
+    with drives(duty=told.duty, trace=told.trace) as port:
         port.play(path((told.pulses, -told.pulses), told.rate, 0))
         written = port.bytes_written()
         seen = port.mill.look()
