@@ -64,8 +64,8 @@ MUTANTS: Final = (
         "motor/pulses: a pause may be shorter than a pulse",
         "a drive misses pulses above its rate",
         _M + "pulses.py",
-        "                    cycles = 2 * shortest\n",
-        "                    cycles = cycles\n",
+        "                if cycles < least:\n                    cycles = least\n",
+        "",
         (_T + "test_register_writes.py",),
     ),
     Mutant(
