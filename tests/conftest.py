@@ -27,10 +27,16 @@ settings.register_profile(
 settings.load_profile("fraese")
 
 
-# What a shell without job control starts in the background has SIGINT ignored, and so would every
-# program that the tests start: none of them would hear its Ctrl-C.
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+# What a shell without job control starts in the background has SIGINT and SIGQUIT ignored, what
+# runs under nohup SIGHUP, and so would every program that the tests start: none would hear the
+# signal that it is sent.
+for _number, _handler in (
+    (signal.SIGINT, signal.default_int_handler),
+    (signal.SIGQUIT, signal.SIG_DFL),
+    (signal.SIGHUP, signal.SIG_DFL),
+):
+    if signal.getsignal(_number) is signal.SIG_IGN:
+        signal.signal(_number, _handler)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
