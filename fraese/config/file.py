@@ -21,7 +21,7 @@ from pydantic import ValidationError
 from fraese.config.axes import AxesConfig
 from fraese.config.axis import LinearAxis, RotaryAxis
 from fraese.config.config import Config
-from fraese.config.section import Section
+from fraese.config.section import Section, Truth
 from fraese.config.simulation import SimulatedAxis
 from fraese.config.work import ToolConfig
 from fraese.errors import ConfigError
@@ -29,11 +29,13 @@ from fraese.errors import ConfigError
 FILE_NAME = "fraese.toml"
 #: Values in messages are cut behind this many characters.
 _SHOWN_CHARACTERS = 60
-_SCALARS = (int, float, str, Decimal)
+_SCALARS = (int, float, str, Decimal, Truth)
 #: What the checker says of its own types, and how one says it of a TOML file.
 _TOML_WORDS: Mapping[str, str] = {
     r"^Value error, ": "",
+    r"^Decimal input should be.*": "must be a number",
     r"^Input should be": "must be",
+    r"^Field required": "must be given",
     r"^Tuple should have": "must have",
     r" after validation|, (unable to|got a) [a-z ]+": "",
     r"a valid (tuple|list)": "a list",

@@ -3,8 +3,9 @@
 import contextlib
 import json
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args, get_origin
 
 import pytest
 from hypothesis import given
@@ -14,7 +15,8 @@ from fraese.assembly import assemble
 from fraese.config import Config
 from fraese.config import file as configuration
 from fraese.config.axes import AxisName
-from fraese.config.file import load
+from fraese.config.file import from_table, load
+from fraese.config.section import Section
 from fraese.config.wiring import StatusPin
 from fraese.errors import ConfigError
 from fraese.motor.pins import STATUS_PINS
@@ -127,6 +129,15 @@ def test_one_key_of_an_axis_leaves_the_others_at_their_defaults(tmp_path: Path) 
         ('[axes]\nnames = "xyz"', "axes.names: must be a list, not xyz."),
         ('[axes.x]\nmotor = "two"', "axes.x.motor: must be a whole number, not two."),
         ("[axes.x]\nmotor = 1.5", "axes.x.motor: must be a whole number, not 1.5."),
+        ("[axes.x]\nmotor = true", "axes.x.motor: must be a whole number, not true."),
+        ("[axes.x]\npitch_mm = true", "axes.x.pitch_mm: must be a number, not true."),
+        ("[axes.x]\nmax_rate_hz = true", "axes.x.max_rate_hz: must be a number, not true."),
+        ("[axes.x]\navoid_hz = [[false, 9]]", "axes.x.avoid_hz.0.0: must be a number, not false."),
+        ("[switches]\nreadings = true", "switches.readings: must be a whole number, not true."),
+        ("[switches]\nclosed_reads = true", "switches.closed_reads: must be 0 or 1, not true."),
+        ("[outputs.spindle]\npin = true", "outputs.spindle.pin: must be "),
+        ("[realtime]\ncore = true", "realtime.core: must be a whole number, not true."),
+        ("[log]\nfile = true", "log.file: must be a text in quotes, not true."),
         ('[axes.x]\nend_switches = "nope"', "must be true or false, not nope."),
         ("[axes.x]\navoid_hz = [[3, 4, 5]]", "axes.x.avoid_hz.0: must have at most 2 items"),
         ("[axes.x]\ntravel_mm = 4", "leaves nothing of axes.x.travel_mm"),
@@ -140,7 +151,7 @@ def test_one_key_of_an_axis_leaves_the_others_at_their_defaults(tmp_path: Path) 
         ("[switches]\nreadings = 0", "switches.readings: "),
         ("[probe]\npin = 11\nclosed_reads = 1", "on the same pin; leave out probe.pin"),
         ("[outputs.spindle]\npin = 1", "outputs.spindle.pin 1 is taken already"),
-        ("[outputs.spindle]\nactive_high = true", "outputs.spindle.pin: "),
+        ("[outputs.spindle]\nactive_high = true", "outputs.spindle.pin: must be given."),
         ("[outputs]\nspindle = { pin = 14 }\ncoolant = { pin = 14 }", "outputs.coolant.pin 14"),
         ('[card]\nkind = "stepdir"\n[outputs]\nspindle = { pin = 17 }', "17 is taken already"),
         ('[card]\nkind = "smc2000"', "card.kind: "),
@@ -170,6 +181,38 @@ def test_what_is_wrong_is_said_in_one_sentence(tmp_path: Path, text: str, said: 
     assert "\n" not in sentence
     assert len(sentence) < 500
     assert sentence.endswith(".")
+
+
+#: Tables of which there may be several, and one of them.
+_SEVERAL = {"tools": "tools.1", "axes": "axes.x"}
+
+
+def keys_of(section: type[Section], place: str = "") -> Iterator[tuple[str, Any]]:
+    """Every key that is no table, and what it may be."""
+    for key, field in section.model_fields.items():
+        kinds = [field.annotation, *get_args(field.annotation)]
+        table = next((x for x in kinds if isinstance(x, type) and issubclass(x, Section)), None)
+        if table:
+            named = _SEVERAL[key] if get_origin(field.annotation) is dict else key
+            yield from keys_of(table, f"{place}{named}.")
+        else:
+            yield f"{place}{key}", field.annotation
+
+
+def test_true_is_taken_by_no_key_but_a_switch() -> None:
+    keys = dict(keys_of(Config))
+    assert len(keys) > 60
+    for key, kind in keys.items():
+        *tables, last = key.split(".")
+        raw: dict[str, Any] = {last: True}
+        for table in reversed(tables):
+            raw = {table: raw}
+        said = ""
+        try:
+            from_table(raw, "file")
+        except ConfigError as error:
+            said = str(error)
+        assert said.startswith(f"file: {key}") != (kind is bool), key
 
 
 def test_files_that_are_none(tmp_path: Path) -> None:
