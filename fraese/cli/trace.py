@@ -35,7 +35,8 @@ AroundOption = Annotated[
     ),
 ]
 SpanOption = Annotated[
-    str, typer.Option("--span", metavar="TIME", help="How much to show with --around.")
+    str,
+    typer.Option("--span", metavar="TIME", help=f"How much to show with --around; else {_SPAN}."),
 ]
 LinesOption = Annotated[
     list[str] | None,
@@ -60,7 +61,7 @@ def trace(
     start: FromOption = "",
     end: ToOption = "",
     around: AroundOption = "",
-    span: SpanOption = _SPAN,
+    span: SpanOption = "",
     lines: LinesOption = None,
     pairs: PairOption = None,
     svg: SvgOption = None,
@@ -110,10 +111,14 @@ def _ends(file: "VcdFile", start: str, end: str, around: str, span: str) -> tupl
     if around:
         if start or end:
             raise UsageError("Either --from and --to, or --around with --span.")
-        half = max(1, units(span, "--span") // 2)
+        length = units(span or _SPAN, "--span")
+        if not length:
+            raise UsageError(f"--span {span} is nothing to look at; say a length, as in {_SPAN}.")
         middle = _middle(file, around)
-        first, last = middle - half, middle + half
+        first, last = middle - length // 2, middle + length // 2
     else:
+        if span:
+            raise UsageError("--span goes with --around, which says where.")
         first = units(start, "--from") if start else file.begin
         last = units(end, "--to") if end else file.end
         if start and first > file.end:
@@ -122,7 +127,7 @@ def _ends(file: "VcdFile", start: str, end: str, around: str, span: str) -> tupl
                 f" {times.moment(file.end * file.unit_s)}."
             )
         if last <= first and (start or end):
-            raise UsageError("--to comes before --from: nothing lies between them.")
+            raise UsageError("--to must come after --from; nothing lies between them.")
     return max(0, first), max(last, first + 1, 1)
 
 
@@ -141,7 +146,9 @@ def _middle(file: "VcdFile", around: str) -> int:
         return middle
     name, colon, words = around.rpartition(":")
     name, words = (name, words) if colon and words.isdigit() else (around, "1")
-    number, wanted = number_of(file, name), max(1, int(words))
+    number, wanted = number_of(file, name), int(words)
+    if not wanted:
+        raise UsageError(f"{file.lines[number].name}:0: edges are counted from 1.")
     left = wanted
     for piece in file.pieces(file.begin, file.end, file.levels(file.begin)):
         at = piece[number].at if number in piece else ()
@@ -180,7 +187,9 @@ def _pair(words: str) -> tuple[str, str]:
 
 
 def _width() -> int:
-    return shutil.get_terminal_size((_PLAIN_WIDTH, 24)).columns if sys.stdout.isatty() else 80
+    if not sys.stdout.isatty():
+        return _PLAIN_WIDTH
+    return shutil.get_terminal_size((_PLAIN_WIDTH, 24)).columns
 
 
 def _label(file: "VcdFile", chosen: list[int], width: int) -> int:
@@ -219,7 +228,7 @@ def _show(
     for line in drawing.axis(stretch):
         print(_styled(f"{'':{label}} {line}", dim=True))
     if sys.stdout.isatty() and drawing.is_dense(drawn):
-        closer = f"{glyphs.many}: more edges than can be seen. Closer: --around TIME --span 2ms"
+        closer = f"{glyphs.many}: more edges than can be seen. Closer: --around TIME --span {_SPAN}"
         print(_styled(closer, dim=True))
 
 
