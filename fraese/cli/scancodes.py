@@ -10,11 +10,12 @@ import typer
 
 from fraese.cli.shared import ConfigOption, KeysOption, leave
 from fraese.config import file as configuration
+from fraese.errors import StateError
 from fraese.x4step.codes import ESC_CODE
 from fraese.x4step.decoder import Decoder, Stroke
 from fraese.x4step.keyboard import MAKE_CODES
 from fraese.x4step.keys import BREAK, NoKeys, ToldKeys
-from fraese.x4step.surroundings import program_keys, wanted_keys
+from fraese.x4step.surroundings import can_read_keys, program_keys, wanted_keys
 
 app = typer.Typer()
 
@@ -31,6 +32,11 @@ def scancodes(config: ConfigOption = None, keys: KeysOption = None) -> None:
 
     def go() -> int:
         wanted = wanted_keys(configuration.load(config).x4step, keys)
+        if sys.stdin.isatty() and not can_read_keys():
+            raise StateError(
+                "The keys of a terminal cannot be read on this system; those of a file can, as in"
+                " fraese scancodes < FILE."
+            )
         source = program_keys(wanted)
         strokes = _of_file(wanted.layout) if isinstance(source, NoKeys) else _of_keys(source)
         before = 0

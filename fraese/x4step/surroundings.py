@@ -10,6 +10,7 @@
 A test puts its own surroundings in their place: see ``fraese.x4step.testing``.
 """
 
+import importlib.util
 import os
 import sys
 from collections import Counter
@@ -104,17 +105,27 @@ def wanted_keys(
 @cache
 def terminal_keyboard(wanted: WantedKeys) -> Keyboard:
     """The keyboard of a program that was started in a terminal; one for the whole program."""
+    if not can_read_keys():
+        complain(
+            "Keys cannot be read on this system, so neither ESC nor any other key brakes;"
+            " Ctrl-C ends the program."
+        )
     return Keyboard(program_keys(wanted))
+
+
+def can_read_keys() -> bool:
+    """Terminals here are those of Unix."""
+    return importlib.util.find_spec("termios") is not None
 
 
 def program_keys(wanted: WantedKeys) -> ToldKeys | NoKeys:
     """Where the keys of a program come from that was started in a terminal."""
-    try:
-        # Only where there are such terminals.
-        from fraese.x4step.evdev import EvdevKeys, keyboards
-        from fraese.x4step.terminal import keys_beside, keys_of
-    except ImportError:
+    if not can_read_keys():
         return NoKeys(sys.stdin)
+    # Only where there are such terminals.
+    from fraese.x4step.evdev import EvdevKeys, keyboards
+    from fraese.x4step.terminal import keys_beside, keys_of
+
     terminal: Literal["auto", "kitty", "plain"] = (
         "plain" if wanted.source == "evdev" else wanted.source
     )

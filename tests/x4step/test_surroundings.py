@@ -1,14 +1,23 @@
 """Ports as configured, from files and from the environment; what cannot be opened is 6."""
 
 import re
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from typer import Exit
 
+from fraese.cli.scancodes import scancodes
 from fraese.errors import ConfigError, PortError
-from fraese.x4step import X4GetIn, X4Init, X4Load, X4ReInit, X4Start, X4Step
-from fraese.x4step.surroundings import clock_named, from_environment, log_of, pin_levels
+from fraese.x4step import X4GetIn, X4GetState, X4Init, X4Load, X4ReInit, X4Start, X4Step
+from fraese.x4step.surroundings import (
+    clock_named,
+    from_environment,
+    log_of,
+    pin_levels,
+    terminal_keyboard,
+)
 from fraese.x4step.testing import clock_pin, simulation
 from tests.helpers import configured
 
@@ -170,3 +179,45 @@ def test_a_waveform_that_cannot_be_written(
     monkeypatch.setenv("FRAESE_TRACE", str(folder / "none" / "lines.vcd"))
     assert X4Init(2) == 6
     assert "the waveform cannot be written" in capsys.readouterr().err
+
+
+@pytest.fixture
+def no_unix(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A system whose terminals cannot be read, as Windows."""
+    for name in ("termios", "fcntl"):
+        monkeypatch.setitem(sys.modules, name, None)
+    for name in ("terminal", "evdev"):
+        monkeypatch.delitem(sys.modules, f"fraese.x4step.{name}", raising=False)
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True)
+    terminal_keyboard.cache_clear()
+    yield
+    terminal_keyboard.cache_clear()
+
+
+@pytest.mark.usefixtures("no_unix")
+def test_where_keys_cannot_be_read_it_is_said_once(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for _ in range(2):
+        assert X4Init(2) == 0
+        assert X4Load(5, 0, 0, 0, 1000, 0) == 0
+        assert X4Start() == 0
+        while X4GetState():
+            pass
+        assert X4ReInit() == 0
+    assert capsys.readouterr().err == (
+        "x4step: Keys cannot be read on this system, so neither ESC nor any other key brakes; "
+        "Ctrl-C ends the program.\n"
+    )
+
+
+@pytest.mark.usefixtures("no_unix")
+def test_scancodes_of_a_terminal_that_cannot_be_read(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(Exit) as left:
+        scancodes()
+    assert left.value.exit_code == 2
+    assert capsys.readouterr().err.startswith(
+        "fraese: The keys of a terminal cannot be read on this system; those of a file can"
+    )
