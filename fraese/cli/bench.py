@@ -8,6 +8,7 @@ import typer
 
 from fraese.assembly.drivers import ClockName
 from fraese.cli.shared import (
+    MOTORS_OFF,
     VALUES,
     ConfigOption,
     KeysOption,
@@ -42,7 +43,7 @@ def bench(
     keys: KeysOption = None,
 ) -> None:
     """Try four motors with clock and direction from a prompt, as X4Step's TEST did."""
-    leave(lambda: _bench(lpt, config, real_time, trace, keys))
+    leave(lambda: _bench(lpt, config, real_time, trace, keys), cancelled=MOTORS_OFF)
 
 
 def _bench(

@@ -8,6 +8,7 @@ Rule 2: blocks that are only stored never move anything: a run begins with START
 import json
 import statistics
 from collections.abc import Iterator
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Final, NamedTuple
@@ -19,10 +20,10 @@ from fraese.assembly.cards import CARDS
 from fraese.assembly.drivers import planned_driver
 from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece, accel_q_from_hz_s, rate_q8_from_hz
 from fraese.cli.session import note
-from fraese.cli.shared import ConfigOption, JsonOption, TraceOption, leave
+from fraese.cli.shared import MOTORS_OFF, ConfigOption, JsonOption, TraceOption, leave
 from fraese.config import Config
 from fraese.config import file as configuration
-from fraese.errors import PortError
+from fraese.errors import PortError, UsageError
 from fraese.motor.bridge.codec import Hello, frame
 from fraese.motor.bridge.constants import KIND_PING
 from fraese.motor.bridge.driver import BridgeDriver
@@ -147,6 +148,8 @@ def try_out(
     """Try the bridge out; no motor moves without --move."""
 
     def go() -> int:
+        if trace and not move:
+            raise UsageError("--trace draws what --move moves: say --move STEPS too.")
         place = _place(configuration.load(config), device, baud)
         checks = []
         for check in _checks(place, move, trace):
@@ -157,27 +160,29 @@ def try_out(
             print(json.dumps([check._asdict() for check in checks]))
         return 0 if all(check.ok for check in checks) else PortError.exit_code
 
-    leave(go, as_json)
+    leave(go, as_json, MOTORS_OFF)
 
 
 def _checks(place: Place, move_steps: int, trace: Path | None) -> Iterator[Check]:
     wanted = tracing.wanted(place.config, trace)
     waveform = wanted.begin() if wanted else None
-    card = CARDS[place.config.card.kind](place.config)
-    driver = BridgeDriver(place.line, card, MonotonicClock(), name=place.device, baud=place.baud)
-    try:
+    card, clock = CARDS[place.config.card.kind](place.config), MonotonicClock()
+    with (
+        tracing.closed_on_failure(waveform),
+        closing(
+            BridgeDriver(place.line, card, clock, name=place.device, baud=place.baud)
+        ) as driver,
+    ):
         hello = driver.session.hello
         yield Check(
             "greeting", True, f"{hello.board}, firmware {hello.firmware[0]}.{hello.firmware[1]}"
         )
         for check in (_answers, _damage, _inputs, partial(_queue, motors=card.motors)):
             yield check(driver)
-        if move_steps and waveform:
+        if waveform:
             yield from _traced_moves(driver, card, place.config, move_steps, waveform)
         elif move_steps:
             yield from _moves(driver, place.config, move_steps)
-    finally:
-        driver.close()
 
 
 def _answers(driver: BridgeDriver) -> Check:

@@ -70,6 +70,8 @@ FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Program or c
 #: Words such as -1.5 or X-3 are values here, not options.
 VALUES: Final = {"ignore_unknown_options": True}
 
+#: What is said of Ctrl-C by a command that moves something without a job.
+MOTORS_OFF: Final = "Cancelled; the motors are off."
 _BY_NAME: Final = inspect.Parameter.KEYWORD_ONLY
 
 
@@ -153,11 +155,21 @@ def with_options(function: Callable[..., None]) -> Callable[..., None]:
     return command
 
 
-def leave(action: Callable[[], int], as_json: bool = False) -> None:
-    """Leave with an exit code; whatever is refused is one sentence."""
+def leave(
+    action: Callable[[], int],
+    as_json: bool = False,
+    cancelled: str = "Cancelled before anything moved.",
+) -> None:
+    """Leave with an exit code; whatever is refused is one sentence.
+
+    Args:
+        action: what the command does.
+        as_json: the sentence is a JSON object.
+        cancelled: what is true if Ctrl-C ends it.
+    """
     code = 0
     try:
-        code = _carried_out(action, as_json)
+        code = _carried_out(action, as_json, cancelled)
         sys.stdout.flush()
     except BrokenPipeError:
         # Whoever read the output has seen enough; what was done was done.
@@ -165,13 +177,13 @@ def leave(action: Callable[[], int], as_json: bool = False) -> None:
     raise typer.Exit(code)
 
 
-def _carried_out(action: Callable[[], int], as_json: bool) -> int:
+def _carried_out(action: Callable[[], int], as_json: bool, cancelled: str) -> int:
     try:
         return action()
     except FraeseError as error:
         return refuse(error, as_json=as_json)
     except (KeyboardInterrupt, typer.Abort):
-        return refuse(Cancelled("Cancelled before anything moved."), as_json=as_json)
+        return refuse(Cancelled(cancelled), as_json=as_json)
     except BrokenPipeError:
         raise
     except Exception as error:

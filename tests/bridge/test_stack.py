@@ -69,7 +69,10 @@ class Stack:
         return subprocess.CompletedProcess(words, process.returncode, out, err)
 
     def bridge(self, *words: str) -> "subprocess.CompletedProcess[str]":
-        command = [sys.executable, "-m", "fraese", "bridge", *words, "--config", str(self._config)]
+        return self.fraese("bridge", *words, "--config", str(self._config))
+
+    def fraese(self, *words: str) -> "subprocess.CompletedProcess[str]":
+        command = [sys.executable, "-m", "fraese", *words]
         return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S)
 
 
@@ -179,6 +182,24 @@ def test_the_bridge_looked_at_and_tried_out(stack: Stack) -> None:
     assert set(checks) >= {"greeting", "damage", "inputs", "queue", "motor X", "motor Z"}
     assert all(checks.values()), tried.stdout
     assert stack.mill.carriages_steps() == before
+
+
+def test_what_a_trial_moves_is_drawn(stack: Stack) -> None:
+    file = Path(stack.device).with_name("trial.vcd")
+    tried = stack.bridge("test", "--move", "60", "--trace", str(file))
+    assert tried.returncode == 0, tried.stdout + tried.stderr
+    assert tried.stderr.startswith(f"{file}: waveform of ")
+    shown = stack.fraese("trace", str(file), "--json")
+    lines = json.loads(shown.stdout)["lines"]
+    # Sixty half-steps there and back, and off again: seven and a half turns of the field.
+    for axis in "xyz":
+        assert lines[f"{axis}_coil_a"]["least"] == -100
+        assert lines[f"{axis}_coil_a"]["changes"] == 120
+    before = file.read_bytes()
+    refused = stack.bridge("test", "--trace", str(file))
+    assert refused.returncode == 2
+    assert refused.stderr == ("fraese: --trace draws what --move moves: say --move STEPS too.\n")
+    assert file.read_bytes() == before
 
 
 def test_a_port_that_says_nothing_is_no_bridge(tmp_path: Path) -> None:

@@ -13,7 +13,9 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from fraese.cli import app
 from fraese.x4step import X4Init, X4ReInit
 from fraese.x4step.bench import COMMANDS, HELP, Bench
 from fraese.x4step.consoles import ScriptConsole
@@ -289,6 +291,17 @@ def test_a_script(arguments: tuple[str, ...]) -> None:
     assert done.stdout.startswith("Test program for X4Step")
     assert "1->g\nSteps of axes 1 to 4: 1000, 0, 0, 0.\n" in done.stdout
     assert "d7" not in done.stdout
+
+
+def test_ctrl_c_in_a_motion_is_not_said_to_be_before_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    def pressed(*_: object) -> bool:
+        raise KeyboardInterrupt
+
+    monkeypatch.setenv("XDG_CONFIG_HOME", "/nowhere")
+    monkeypatch.setattr(ScriptConsole, "press_if_due", pressed)
+    ended = CliRunner().invoke(app, ["bench"], input="f1000\nm+\n")
+    assert ended.exit_code == 130
+    assert ended.stderr == "fraese: Cancelled; the motors are off.\n"
 
 
 class Person:
