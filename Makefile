@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test mutate coverage check format clean firmware rig-avr rig-lpt
+.PHONY: run test mutate campaign coverage check format clean firmware rig-avr rig-lpt
 
 run: $(READY)
 	$(BIN)/fraese
@@ -17,6 +17,11 @@ test: $(READY)
 # their names. Takes most of an hour.
 mutate: $(READY)
 	$(BIN)/python -m bench.mutants $(ONLY)
+
+# Faults at random moments, hundreds of each kind, and what was claimed against the truth. ONLY="words": kinds with
+# all of them in their names. TRIES=10: so many of each. Takes hours.
+campaign: $(READY)
+	$(BIN)/python -m bench.campaign $(ONLY) --tries $(or $(TRIES),0)
 
 # Twice as slow.
 coverage: $(READY)

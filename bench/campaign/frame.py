@@ -1,0 +1,157 @@
+"""What a kind of fault is, how it is tried, and the row that comes of it."""
+
+import random
+import statistics
+import tempfile
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+#: So many attempts of a kind in the whole campaign, and in the short one.
+MANY: Final = 300
+FEW: Final = 5
+#: More complaints of a kind than this are only counted.
+_SHOWN: Final = 5
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One fault, injected once.
+
+    Attributes:
+        folder: fresh, and gone afterwards.
+        random: for the moment, and all else that is left to chance.
+        number: from 0.
+    """
+
+    folder: Path
+    random: random.Random
+    number: int
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of it.
+
+    Attributes:
+        unaccounted: steps of any axis beyond what was claimed, all axes added up; another sort of
+            broken promise counts as 1.
+        figure: what the kind measures, in its unit; None: there was nothing to measure.
+        note: what is to be said about it, where it is unaccounted for.
+        missed: the fault came too late or too early to be one: another attempt is made.
+    """
+
+    unaccounted: int = 0
+    figure: float | None = None
+    note: str = ""
+    missed: bool = False
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of fault.
+
+    Attributes:
+        name: as in the table; words on the command line choose by it.
+        measures: what the figure is, with its unit.
+        attempt: injects it once.
+        many: attempts in the whole campaign.
+        few: attempts in the short one.
+        missing: why it cannot be tried here; empty: it can.
+        alone: real time is measured; attempts do not share the computer with each other.
+    """
+
+    name: str
+    measures: str
+    attempt: Callable[[Attempt], Outcome]
+    many: int = MANY
+    few: int = FEW
+    missing: Callable[[], str] = lambda: ""
+    alone: bool = False
+
+
+@dataclass(frozen=True)
+class Row:
+    """What came of all attempts of a kind.
+
+    Attributes:
+        kind: which.
+        tries: that were no miss.
+        unaccounted: attempts with steps unaccounted for.
+        figures: all that were measured.
+        complaints: number and note of attempts that broke a promise.
+    """
+
+    kind: Kind
+    tries: int
+    unaccounted: int
+    figures: Sequence[float]
+    complaints: Sequence[tuple[int, str]]
+
+    def __str__(self) -> str:
+        worst = middle = "-"
+        if self.figures:
+            worst, middle = f"{max(self.figures):.4g}", f"{statistics.median(self.figures):.4g}"
+        cells = (self.kind.name, self.tries, self.unaccounted, middle, worst, self.kind.measures)
+        return "| " + " | ".join(map(str, cells)) + " |"
+
+
+HEAD: Final = "| kind | n | unaccounted | median | worst | measured |\n|---|---|---|---|---|---|"
+
+
+def attempted(kind: Kind, seed: int, number: int) -> Outcome:
+    """One attempt; whatever it raises is something unaccounted for."""
+    chance = random.Random(f"{seed}/{kind.name}/{number}")
+    # A fault's leftovers may hold files open for a moment: what cannot be removed is left.
+    with tempfile.TemporaryDirectory(prefix="fraese-", ignore_cleanup_errors=True) as folder:
+        try:
+            return kind.attempt(Attempt(Path(folder), chance, number))
+        except Exception as error:
+            return Outcome(unaccounted=1, note=f"{type(error).__name__}: {error}")
+
+
+def campaign(kind: Kind, tries: int, seed: int = 1, jobs: int = 1) -> Row:
+    """Attempts until so many were no miss; at most twice as many as that."""
+    done, missed, unaccounted = 0, 0, 0
+    figures: list[float] = []
+    complaints: list[tuple[int, str]] = []
+    for number, outcome in _outcomes(kind, range(2 * tries), seed, 1 if kind.alone else jobs):
+        if outcome.missed:
+            missed += 1
+        else:
+            done += 1
+            unaccounted += bool(outcome.unaccounted)
+            figures += [] if outcome.figure is None else [outcome.figure]
+        if outcome.unaccounted:
+            complaints.append((number, f"{outcome.unaccounted} ({outcome.note})"))
+        if done == tries:
+            break
+    return Row(kind, done, unaccounted, figures, complaints)
+
+
+def _outcomes(
+    kind: Kind, numbers: Iterable[int], seed: int, jobs: int
+) -> Iterator[tuple[int, Outcome]]:
+    """In the order of their numbers, however many are under way at once."""
+    if jobs <= 1:
+        for number in numbers:
+            yield number, attempted(kind, seed, number)
+        return
+    waiting = list(numbers)
+    with ThreadPoolExecutor(jobs) as pool:
+        while waiting:
+            batch, waiting = waiting[:jobs], waiting[jobs:]
+            yield from zip(
+                batch, pool.map(lambda number: attempted(kind, seed, number), batch), strict=True
+            )
+
+
+def say(row: Row) -> None:
+    """The row, and what is to be complained of."""
+    print(row, flush=True)
+    for number, note in row.complaints[:_SHOWN]:
+        print(f"    --only {number}: {note}", flush=True)
+    if len(row.complaints) > _SHOWN:
+        print(f"    and {len(row.complaints) - _SHOWN} more", flush=True)

@@ -1,0 +1,154 @@
+"""Signals to command, app and step process, on the fake port; truth is the port's carriages.
+
+After each: the motors are off within ``LIMIT_S``, no process is left, and where the next program
+claims to stand is where the carriages are. Measured is how long after the signal the last byte that
+switches the motors off was written.
+"""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from functools import partial
+from typing import Final
+
+from bench.campaign.claims import claimed
+from bench.campaign.frame import Attempt, Kind, Outcome
+from tests.rigs.lpt.fakeport import library, missing
+from tests.rigs.lpt.shop import Shop, child_of, is_alive
+from tests.rigs.lpt.steps import check_motors_off
+from tests.rigs.lpt.terminal import Terminal
+
+#: From the signal to motors off; braking is part of it.
+LIMIT_S: Final = 3.0
+#: After the machine has begun to move the signal comes within this time.
+_WITHIN_S: Final = 0.8
+#: A jog in the app is over sooner.
+_JOG_WITHIN_S: Final = 0.3
+#: A program that is stopped goes on after at most this: below and above ``silent_s``.
+_STOPPED_S: Final = 2.0
+_PORTS: Final = ("ppdev", "devport")
+#: They change nothing: the job goes on, and is ended in order.
+_HARMLESS: Final = (signal.SIGPIPE, signal.SIGSTOP)
+
+_ENDING: Final = (
+    signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT, signal.SIGQUIT,
+    signal.SIGPIPE, signal.SIGSTOP,
+)  # fmt: skip
+_TO_STEPS: Final = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGSTOP)
+
+
+def hit(pid: int, number: signal.Signals, chance: random.Random) -> int:
+    """Send it; when that was, monotonic ns."""
+    at_ns = time.monotonic_ns()
+    os.kill(pid, number)
+    if number is signal.SIGSTOP:
+        time.sleep(chance.uniform(0, _STOPPED_S))
+        os.kill(pid, signal.SIGCONT)
+    if number in _HARMLESS:
+        time.sleep(0.05)
+        at_ns = time.monotonic_ns()
+        os.kill(pid, signal.SIGTERM)
+    return at_ns
+
+
+def judged(shop: Shop, since_ns: int) -> Outcome:
+    """All is over: off, in time, and where it says."""
+    after = [event for event in shop.fake.events() if event.at_ns > since_ns]
+    check_motors_off(shop.fake.writes())
+    last_ns = max((event.at_ns for event in after if event.what == "W"), default=since_ns)
+    took_ms = (last_ns - since_ns) * 1e-6
+    assert took_ms < LIMIT_S * 1e3, f"the motors were off only after {took_ms:.0f} ms"
+    claim, truth_steps = claimed(shop), shop.travelled_steps()
+    beyond = claim.beyond_steps(truth_steps)
+    return Outcome(beyond, took_ms, f"claimed {claim}, true {truth_steps}" if beyond else "")
+
+
+def _gone(shop: Shop, *pids: int) -> None:
+    shop.fake.wait_for(lambda: not any(map(is_alive, pids)), timeout_s=2 * LIMIT_S)
+
+
+def _begin(attempt: Attempt) -> Shop:
+    return Shop(attempt.folder, attempt.random.choice(_PORTS))
+
+
+def to_command(number: signal.Signals, attempt: Attempt) -> Outcome:
+    """The command gets it, in the middle of a move."""
+    shop = _begin(attempt)
+    with shop.begun("run", "long.ngc", "--json") as command:
+        child = child_of(command.pid)
+        time.sleep(attempt.random.uniform(0, _WITHIN_S))
+        at_ns = hit(command.pid, number, attempt.random)
+        _finish(command)
+        _gone(shop, child)
+    return judged(shop, at_ns)
+
+
+def to_steps(number: signal.Signals, attempt: Attempt) -> Outcome:
+    """The step process gets it."""
+    shop = _begin(attempt)
+    with shop.begun("run", "long.ngc", "--json") as command:
+        child = child_of(command.pid)
+        time.sleep(attempt.random.uniform(0, _WITHIN_S))
+        at_ns = hit(child, number, attempt.random) if number != signal.SIGSTOP else _hang(child)
+        _finish(command)
+        _gone(shop, child)
+    return judged(shop, at_ns)
+
+
+def _hang(pid: int) -> int:
+    """It hangs, and is killed by its host; what follows counts from the end of its patience."""
+    os.kill(pid, signal.SIGSTOP)
+    return time.monotonic_ns()
+
+
+def to_app(number: signal.Signals, attempt: Attempt) -> Outcome:
+    """The app gets it, in the middle of a jog."""
+    shop = _begin(attempt)
+    terminal = Terminal([sys.executable, "-m", "fraese"], shop.folder, shop.environment)
+    try:
+        terminal.wait_for("palette")
+        terminal.press("5", "right")
+        shop.fake.wait_for(shop.is_under_way)
+        child = child_of(terminal.process.pid)
+        time.sleep(attempt.random.uniform(0, _JOG_WITHIN_S))
+        at_ns = hit(terminal.process.pid, number, attempt.random)
+        terminal.wait_for_end()
+        _gone(shop, child)
+    finally:
+        terminal.close()
+    return judged(shop, at_ns)
+
+
+def _finish(command: "subprocess.Popen[str]") -> None:
+    _, noted = command.communicate(timeout=5 * LIMIT_S)
+    assert "Traceback" not in noted, noted
+
+
+def _missing() -> str:
+    """Why there is no fake port; if there is one, it is built once, before all attempts."""
+    why = missing()
+    if not why:
+        library()
+    return why
+
+
+_MEASURES: Final = "ms from the signal to motors off"
+
+
+def _rows() -> list[Kind]:
+    rows = [
+        (f"{number.name} to the {whom}", partial(attempt, number))
+        for whom, attempt, numbers in (
+            ("command", to_command, _ENDING),
+            ("app", to_app, _ENDING),
+            ("step process", to_steps, _TO_STEPS),
+        )
+        for number in numbers
+    ]
+    return [Kind(name, _MEASURES, attempt, missing=_missing) for name, attempt in rows]
+
+
+KINDS: Final = tuple(_rows())

@@ -1,0 +1,53 @@
+"""The frame of the campaign: what is counted, and that an attempt can be made again."""
+
+from collections import Counter
+
+from bench.campaign.frame import Attempt, Kind, Outcome, campaign
+from bench.campaign.kinds import KINDS
+
+
+def kind(attempt: object) -> Kind:
+    assert callable(attempt)
+    return Kind("a fault", "steps", attempt)
+
+
+def test_attempts_that_missed_are_made_up_for() -> None:
+    row = campaign(kind(lambda a: Outcome(figure=a.number, missed=a.number % 2 == 0)), tries=3)
+    assert (row.tries, row.unaccounted, row.figures) == (3, 0, [1, 3, 5])
+
+
+def test_what_always_misses_comes_to_an_end_and_shows_it() -> None:
+    row = campaign(kind(lambda _: Outcome(missed=True)), tries=4)
+    assert (row.tries, row.figures) == (0, [])
+
+
+def test_steps_beyond_the_claim_and_errors_are_unaccounted_for() -> None:
+    def attempt(given: Attempt) -> Outcome:
+        assert given.number != 1, "it hung"
+        return Outcome(unaccounted=7 * (given.number == 2), figure=1, note="true 7")
+
+    row = campaign(kind(attempt), tries=4)
+    assert (row.tries, row.unaccounted) == (4, 2)
+    assert [number for number, _ in row.complaints] == [1, 2]
+    assert "it hung" in row.complaints[0][1]
+    assert row.complaints[1][1] == "7 (true 7)"
+
+
+def test_chance_follows_from_seed_kind_and_number_however_many_run_at_once() -> None:
+    def attempt(given: Attempt) -> Outcome:
+        assert given.folder.is_dir()
+        return Outcome(figure=given.random.random())
+
+    row = campaign(kind(attempt), tries=6, seed=4)
+    assert row.figures == campaign(kind(attempt), tries=6, seed=4, jobs=3).figures
+    assert row.figures != campaign(kind(attempt), tries=6, seed=5).figures
+    assert len(set(row.figures)) == 6
+
+
+def test_a_row_says_kind_tries_unaccounted_median_and_worst() -> None:
+    row = campaign(kind(lambda a: Outcome(figure=a.number)), tries=4)
+    assert str(row) == "| a fault | 4 | 0 | 1.5 | 3 | steps |"
+
+
+def test_every_kind_has_a_name_of_its_own() -> None:
+    assert max(Counter(kind.name for kind in KINDS).values()) == 1
