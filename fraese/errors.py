@@ -17,7 +17,14 @@
     └── Cancelled               the user stopped it                    exit 130
 
 Foreign errors are wrapped at the seam where they arise, with ``raise ... from``.
+
+Every alarm is of a kind, with a number: ``alarms.py``.
 """
+
+from typing import ClassVar
+
+from fraese import alarms
+from fraese.alarms import AlarmKind
 
 
 class FraeseError(Exception):
@@ -66,31 +73,67 @@ class TraceError(UsageError):
 
 
 class Alarm(FraeseError):
-    """The machine stopped by itself; the position is said in the message."""
+    """The machine stopped by itself; the position is said in the message.
+
+    Args:
+        sentence: what happened here, for people.
+        kind: which alarm it is; None: what this class usually means.
+        facts: what the sentence is about, for programs, by name: plain values.
+    """
+
+    usual: ClassVar[AlarmKind]
+
+    def __init__(self, sentence: str, kind: AlarmKind | None = None, **facts: object) -> None:
+        super().__init__(sentence)
+        self.kind = kind or self.usual
+        self.facts = facts
+
+    def as_dict(self) -> dict[str, object]:
+        """For programs."""
+        kind = self.kind
+        return {
+            "number": kind.number,
+            "name": kind.name,
+            "trust": kind.trust.name.lower(),
+            "remedy": kind.remedy,
+            "parameters": self.facts,
+        }
 
 
 class SwitchAlarm(Alarm):
     """An end switch closed where none was expected."""
 
+    usual = alarms.END_SWITCH
+
 
 class HomingError(Alarm):
     """An end was not found, or its switch does not open again."""
+
+    usual = alarms.END_NOT_FOUND
 
 
 class ProbeError(Alarm):
     """A probe never touched, or touched already."""
 
+    usual = alarms.PROBE_NEVER
+
 
 class SilenceAlarm(Alarm):
     """The driver heard nothing from the program while the motors ran, and braked."""
+
+    usual = alarms.SILENCE
 
 
 class StopAlarm(Alarm):
     """The driver stopped without ramp and dropped its queue; the program had not asked for it."""
 
+    usual = alarms.STRAY_STOP
+
 
 class PortError(Alarm):
     """The port cannot be opened, is busy, or went away."""
+
+    usual = alarms.PORT
 
 
 class Cancelled(FraeseError):

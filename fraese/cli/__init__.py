@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fraese.assembly import Plant
-from fraese.cli import bench, bridge, doctor, files, motion, ports, scancodes, trace, x4step
+from fraese.cli import alarms, bench, bridge, doctor, files, motion, ports, scancodes, trace, x4step
 from fraese.cli.session import note
 from fraese.cli.shared import ConfigOption, Drive, FreshOption, StateOption, TraceOption, leave
 from fraese.errors import UsageError
@@ -35,6 +35,7 @@ app.add_typer(bench.app)
 app.add_typer(x4step.app)
 app.add_typer(scancodes.app)
 app.add_typer(trace.app)
+app.add_typer(alarms.app)
 
 
 @app.callback(invoke_without_command=True)

@@ -22,7 +22,7 @@ from fraese.assembly import Plant
 from fraese.control.controller import Controller
 from fraese.control.state import MachineState, Status, three_decimals
 from fraese.control.switchtest import SwitchTest
-from fraese.errors import Cancelled, FraeseError
+from fraese.errors import Alarm, Cancelled, FraeseError
 
 _STATUS_WORDS: Final = {Status.OK: "done", Status.CANCEL: "cancelled", Status.ERROR: "alarm"}
 _EXIT_CODES: Final = {Status.OK: 0, Status.ERROR: 1, Status.CANCEL: Cancelled.exit_code}
@@ -97,6 +97,8 @@ class Session:
             return
         if state.message != self._told:
             note(state.message)
+        if state.alarm is not None:
+            note(f"Alarm {state.alarm.number}. {state.alarm.advice()}")
         where = self._controller.machine.in_words(state.work_mm)
         in_force = state.work.words()
         print(f"{word}: {where}" + (f" ({in_force})" if in_force else ""))
@@ -133,6 +135,7 @@ class Session:
             "carriages_mm": if_seen(state.carriages_mm),
             "lost_steps": if_seen(state.lost_steps),
             "lost_why": if_seen(state.lost_why),
+            **_alarm_result(self._controller.error),
             **self._trace_result(),
         }
 
@@ -274,10 +277,16 @@ def _interrupts(cancel: Callable[[], None]) -> Iterator[None]:
             signal.signal(number, handler)
 
 
+def _alarm_result(error: FraeseError | None) -> dict[str, Any]:
+    return {"alarm": error.as_dict()} if isinstance(error, Alarm) else {}
+
+
 def refuse(error: FraeseError, *, as_json: bool) -> int:
     """Say why nothing was done; the exit code."""
     if as_json:
         word = "cancelled" if isinstance(error, Cancelled) else "refused"
-        print(json.dumps({"status": word, "message": str(error)}))
+        print(json.dumps({"status": word, "message": str(error), **_alarm_result(error)}))
     note(f"fraese: {str(error).rstrip('.')}.")
+    if isinstance(error, Alarm):
+        note(f"Alarm {error.kind.number}. {error.kind.advice()}")
     return error.exit_code

@@ -194,7 +194,8 @@ class EndSwitches:
     def alarm(self) -> SwitchAlarm:
         """What is to be said after a contact has stopped the motors."""
         return SwitchAlarm(
-            f"End switch {self._in_words()} closed: stopped at {self._position.in_words()}."
+            f"End switch {self._in_words()} closed: stopped at {self._position.in_words()}.",
+            ends=list(self.names()),
         )
 
     def _in_words(self) -> str:

@@ -19,6 +19,7 @@ Rule 5: an axis is unreferenced from the start of its run until its zero is set.
 from collections.abc import Callable, Generator, Sequence
 from itertools import combinations
 
+from fraese import alarms
 from fraese.blocks import Block, WatchAction
 from fraese.config.work import HomingConfig
 from fraese.control.endswitches import EndSwitches
@@ -143,7 +144,8 @@ class Homing:
             raise HomingError(
                 f"End switch {end} was not found within {axis.with_unit(search_mm)}{on_the_way} at"
                 f" the switch and at axes.{axis.name}.{axis.travel_key}; the machine stands at"
-                f" {self._position.in_words()}. {lost}".rstrip()
+                f" {self._position.in_words()}. {lost}".rstrip(),
+                end=end,
             )
         yield from self._open(axis, sign)
         report = yield from self._go(
@@ -152,7 +154,9 @@ class Homing:
         if report.ended is not Ended.WATCH:
             raise HomingError(
                 f"End switch {end} closed once, but not again within"
-                f" {axis.with_unit(2 * config.back_off_max_mm)}: look for a loose switch or wire."
+                f" {axis.with_unit(2 * config.back_off_max_mm)}: look for a loose switch or wire.",
+                alarms.END_NOT_AGAIN,
+                end=end,
             )
         return self._position.latched_steps(report)[self._machine.index(axis.name)]
 
@@ -164,7 +168,9 @@ class Homing:
         if report.ended is not Ended.WATCH:
             raise HomingError(
                 f"End switch {self._name(axis, sign)} does not open again within"
-                f" {axis.with_unit(config.back_off_max_mm)}: {self._wire()}"
+                f" {axis.with_unit(config.back_off_max_mm)}: {self._wire()}",
+                alarms.END_STUCK,
+                end=self._name(axis, sign),
             )
         return report
 
@@ -181,7 +187,9 @@ class Homing:
             raise HomingError(
                 f"End switch {self._name(axis, sign)} is still closed at the pull-off distance of"
                 f" {axis.with_unit(self._config.pull_off_mm)}: make homing.pull_off_mm longer, or"
-                f" {self._wire()}"
+                f" {self._wire()}",
+                alarms.END_AT_PULL_OFF,
+                end=self._name(axis, sign),
             )
         return report
 
@@ -199,7 +207,9 @@ class Homing:
         names = ", ".join(self._switches.name(end) for end in candidates)
         raise HomingError(
             f"The end switch is closed and does not open within {reach_mm:g} mm of any of"
-            f" {names}: {self._wire()}"
+            f" {names}: {self._wire()}",
+            alarms.END_UNKNOWN,
+            ends=[self._switches.name(end) for end in candidates],
         )
 
     def _try(

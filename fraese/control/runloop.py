@@ -27,7 +27,7 @@ from fraese.control.position import Position
 from fraese.control.retract import Detour
 from fraese.control.runner import Runner
 from fraese.control.state import JobProgress, Status
-from fraese.errors import FraeseError, PortError, SilenceAlarm, StateError, StopAlarm
+from fraese.errors import Alarm, FraeseError, PortError, SilenceAlarm, StateError, StopAlarm
 from fraese.log import write as log_line
 from fraese.motor.seams import Clock, Ended, IdleLevel, StepDriver
 
@@ -228,6 +228,13 @@ class RunLoop:
         if self._progress is None or self.status is not Status.RUN:
             return self._progress
         return self._progress_now(self._progress)
+
+    @property
+    @any_thread
+    def alarm(self) -> Alarm | None:
+        """What ended the job and waits to be acknowledged."""
+        error = self.error
+        return error if self.status is Status.ERROR and isinstance(error, Alarm) else None
 
     def _activate(self) -> Status:
         status = self.runner.activate()

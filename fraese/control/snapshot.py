@@ -44,6 +44,7 @@ def snapshot(
     return MachineState(
         status=loop.status,
         message=loop.message,
+        alarm=loop.alarm.kind if loop.alarm else None,
         axes=tuple(axis.name for axis in axes),
         position_steps=position_steps,
         position_mm=position_mm,

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from enum import Enum
 
+from fraese.alarms import AlarmKind
 from fraese.blocks import OVERRIDES as OVERRIDES
 from fraese.machine import three_decimals as three_decimals
 from fraese.workframe import SYSTEMS, WorkFrame
@@ -99,6 +100,7 @@ class MachineState:
     Attributes:
         status: OK, RUN, CANCEL, ERROR.
         message: the last thing that a person should know; empty if there is none.
+        alarm: which alarm ended the job and waits to be acknowledged; None: none.
         axes: names, in the order of all tuples here.
         position_steps: machine position.
         position_mm: the same, in mm; like all that is called so, in degrees on a rotary axis.
@@ -162,3 +164,4 @@ class MachineState:
     carriages_mm: tuple[float, ...] = ()
     lost_steps: tuple[float, ...] = ()
     lost_why: tuple[str, ...] = ()
+    alarm: AlarmKind | None = None

@@ -11,6 +11,7 @@ Rule 4: a probe that shares the end switches' input still touches when its move 
 from collections.abc import Callable, Generator, Iterable
 from typing import Any, Final
 
+from fraese import alarms
 from fraese.blocks import Block, WatchAction
 from fraese.control.controller import Controller
 from fraese.control.jobs import STANDSTILL, Ask, Job, Standstill
@@ -180,7 +181,9 @@ class Translation:
         if switches.probe_closed == move.until_closed:
             raise ProbeError(
                 f"line {move.line}: the probe {'touches' if move.until_closed else 'is free'}"
-                f" already; the machine stands at {where.in_words()}."
+                f" already; the machine stands at {where.in_words()}.",
+                alarms.PROBE_TOUCHES,
+                line=move.line,
             )
         watch = switches.probe_watch(closed=move.until_closed, action=WatchAction.STOP)
         yield from _each(self.planner.watched(move.to, move.feed_mm_min, watch, move.line))
@@ -192,7 +195,8 @@ class Translation:
             raise ProbeError(
                 f"line {move.line}: the probe never"
                 f" {'touched' if move.until_closed else 'came free'}; the machine stands at"
-                f" {where.in_words()}."
+                f" {where.in_words()}.",
+                line=move.line,
             )
         at_mm = self._point(where.position_steps)
         if report.switch_closed:

@@ -278,7 +278,9 @@ class FraeseApp(App[None]):
     def on_alarmed(self, message: Alarmed) -> None:
         """The job ended with an error."""
         self.bell()
-        self.notify(message.sentence, title="Error", severity="error", timeout=10, markup=False)
+        title = f"Alarm {message.number}" if message.number else "Error"
+        said = f"{message.sentence}\n{message.advice}".rstrip()
+        self.notify(said, title=title, severity="error", timeout=10, markup=False)
 
     def on_refused(self, message: Refused) -> None:
         """A command was refused."""

@@ -97,7 +97,9 @@ class MachineLink:
         self.offer()
         state = self._controller.state()
         if state.status is Status.ERROR:
-            self._post(Alarmed(state.message))
+            alarm = state.alarm
+            said = (alarm.number, alarm.advice()) if alarm else ()
+            self._post(Alarmed(state.message, *said))
 
     # --- at once, from any thread ----------------------------------------------------------------
 

@@ -8,11 +8,19 @@ class StateChanged(Message):
 
 
 class Alarmed(Message):
-    """A job ended with an error."""
+    """A job ended with an error.
 
-    def __init__(self, sentence: str) -> None:
+    Args:
+        sentence: what happened.
+        number: of the alarm; 0: the job was refused on its way.
+        advice: what to do now; empty: the sentence says it.
+    """
+
+    def __init__(self, sentence: str, number: int = 0, advice: str = "") -> None:
         super().__init__()
         self.sentence = sentence
+        self.number = number
+        self.advice = advice
 
 
 class Refused(Message):

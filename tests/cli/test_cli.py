@@ -264,6 +264,10 @@ def test_an_alarm_is_exit_code_1_and_the_state_is_kept(shop: Shop) -> None:
     values = json.loads(result.stdout.splitlines()[-1])
     assert values["status"] == "alarm"
     assert "zmax" in values["message"]
+    alarm = values["alarm"]
+    assert (alarm["number"], alarm["name"], alarm["trust"]) == (10, "end_switch", "ramped")
+    assert alarm["parameters"] == {"ends": ["zmax"]}
+    assert "alarm" not in shop.json("where")
     assert shop.json("where")["position_mm"]["z"] == pytest.approx(30, abs=0.3)
     assert shop.run("move", "X1").exit_code == 2
     assert shop.run("home").exit_code == 0

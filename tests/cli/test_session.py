@@ -263,6 +263,7 @@ def test_after_an_alarm_the_next_command_jogs_away_from_it(tmp_path: Path) -> No
     alarm = fraese(tmp_path, "jog", "y", -11)
     assert alarm.returncode == 1
     assert "End switch ymin closed" in alarm.stderr
+    assert "Alarm 10. An axis that was stopped at speed" in alarm.stderr
     refused = fraese(tmp_path, "jog", "y", -1)
     assert refused.returncode == 2
     assert "End switch ymin is closed" in refused.stderr

@@ -286,6 +286,10 @@ def test_contact_is_an_error_until_acknowledged() -> None:
             assert b.text("#switch") == "switch xmax"
             assert "Press Enter" in b.text("#job")
             assert "End switch xmax closed" in b.text("#message")
+            (told,) = b.app._notifications
+            assert told.title == "Alarm 10"
+            assert "End switch xmax closed" in told.message
+            assert "reference the machine" in told.message
             stood = b.mill.look().carriages_steps
             await b.jog("left")
             assert "Acknowledge" in b.text("#message")

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from fraese import alarms
 from fraese.errors import PortError
 from fraese.motor.bridge import constants as c
 from fraese.motor.bridge.cards import CLOCK_LINES, CardFacts, card_commands
@@ -102,7 +103,8 @@ class Connection:
         raise PortError(
             f"The bridge on {self.name} ({hello.board}, firmware {hello.firmware[0]}."
             f"{hello.firmware[1]}) cannot play this card: it drives {hello.motors} motors with"
-            f" tables of {hello.table_max} entries."
+            f" tables of {hello.table_max} entries.",
+            alarms.BRIDGE_UNFIT,
         )
 
     def _require_sockets(self, hello: Hello) -> None:
@@ -113,5 +115,6 @@ class Connection:
             raise PortError(
                 f"The bridge on {self.name} has firmware {hello.firmware[0]}.{hello.firmware[1]},"
                 " which cannot swap motors: give every axis the motor of its place in axes.names,"
-                " or flash firmware 1.1."
+                " or flash firmware 1.1.",
+                alarms.BRIDGE_UNFIT,
             )

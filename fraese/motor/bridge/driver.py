@@ -19,6 +19,7 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from typing import Final
 
+from fraese import alarms
 from fraese.anythread import any_thread
 from fraese.blocks import CYCLES_PER_S, Q8, Block
 from fraese.errors import PortError, StateError
@@ -220,7 +221,7 @@ class BridgeDriver:
         """
         self._require_open()
         if self._session is None:
-            raise PortError(f"The bridge on {self._name} is lost.")
+            raise PortError(f"The bridge on {self._name} is lost.", alarms.BRIDGE_LOST)
         return self._session
 
     def _require_open(self) -> None:
@@ -324,7 +325,9 @@ class BridgeDriver:
             session.hang_up()
             self._session = None
             where = self._picture.position()
-            raise PortError(f"{str(error).rstrip('.')}; {where}.") from error
+            raise PortError(
+                f"{str(error).rstrip('.')}; {where}.", error.kind, **error.facts
+            ) from error
 
     def _connecting_again(self) -> Steps[None]:
         self._picture.lose()

@@ -13,6 +13,7 @@ Rule 2: nothing is believed of a device with another version of the protocol.
 import random
 from typing import Final
 
+from fraese import alarms
 from fraese.errors import PortError
 from fraese.motor.bridge.codec import Decoder, Frame, Hello, hello
 from fraese.motor.bridge.constants import (
@@ -74,11 +75,12 @@ class Greeting:
         reply = yield from self._answer(session, patience_s)
         if reply is None:
             other = (yield from self._other_rate(session)) if finds_rate else None
-            raise PortError(self._unanswered(other))
+            raise PortError(self._unanswered(other), alarms.BRIDGE_MISSING)
         if reply.version != PROTOCOL_VERSION:
             raise PortError(
                 f"The bridge on {self._name} speaks version {reply.version} of the protocol, this"
-                f" program version {PROTOCOL_VERSION}: flash the firmware that belongs to it."
+                f" program version {PROTOCOL_VERSION}: flash the firmware that belongs to it.",
+                alarms.BRIDGE_UNFIT,
             )
         if reply.moving:
             reply = yield from self._calmed(session)
@@ -112,7 +114,10 @@ class Greeting:
             reply = yield from self._answer(session, _AGAIN_S)
             if reply and not reply.moving:
                 return reply
-        raise PortError(f"The motors behind {self._name} move and do not brake: switch them off.")
+        raise PortError(
+            f"The motors behind {self._name} move and do not brake: switch them off.",
+            alarms.BRIDGE_STUCK,
+        )
 
     def _other_rate(self, session: int) -> Steps[int | None]:
         """The rate at which somebody answers."""

@@ -19,6 +19,7 @@ from typing import Final, NamedTuple, Protocol
 import serial
 from serial.tools import list_ports
 
+from fraese import alarms
 from fraese.errors import PortError
 
 #: Longest wait within pyserial; what is waited for longer is waited for in such slices.
@@ -139,7 +140,7 @@ class SerialLine:
         number = getattr(error, "errno", None)
         # Without a number it is pyserial's guess, in words that help nobody.
         why = f" ({os.strerror(number)})" if number else ""
-        return PortError(f"{self._device} is gone{why}: is the plug still in?")
+        return PortError(f"{self._device} is gone{why}: is the plug still in?", alarms.BRIDGE_LOST)
 
 
 def _keep_others_out(port: serial.Serial, wanted: bool) -> None:
@@ -192,11 +193,13 @@ def only_candidate(ports: list[SerialPort]) -> str:
     if not likely:
         raise PortError(
             "No board is plugged in that looks like an Arduino: plug it in, or name its port in"
-            " port.device (see fraese ports)."
+            " port.device (see fraese ports).",
+            alarms.BRIDGE_MISSING,
         )
     raise PortError(
         f"Several boards are plugged in ({', '.join(likely)}): name the one that is meant in"
-        " port.device."
+        " port.device.",
+        alarms.BRIDGE_MISSING,
     )
 
 

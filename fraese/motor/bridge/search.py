@@ -9,6 +9,7 @@ Rule 2: until it is found every look says so, with what kept the last attempt fr
 from collections.abc import Callable
 from typing import Final
 
+from fraese import alarms
 from fraese.errors import PortError
 from fraese.motor.bridge.stepwise import Steps, advance
 from fraese.motor.seams import Clock
@@ -50,7 +51,10 @@ class Search:
                 return
         except PortError as error:
             self._end(f" {error}")
-        raise PortError(f"The bridge on {self._name} is lost; it is looked for.{self._reason}")
+        raise PortError(
+            f"The bridge on {self._name} is lost; it is looked for.{self._reason}",
+            alarms.BRIDGE_LOST,
+        )
 
     def close(self) -> None:
         """Give up; what an attempt holds is let go."""

@@ -15,6 +15,7 @@ Rule 3: the silence of a device counts only while it is listened to: a program t
 from collections.abc import Callable
 from typing import Final
 
+from fraese import alarms
 from fraese.errors import PortError
 from fraese.motor.bridge.codec import Hello, Status
 from fraese.motor.bridge.constants import (
@@ -121,10 +122,12 @@ class Session:
             if self.listener is not None:
                 self.listener(status)
         if self.link.stranger is not None:
-            raise PortError(f"The bridge on {self._name} was reset meanwhile")
+            raise PortError(f"The bridge on {self._name} was reset meanwhile", alarms.BRIDGE_LOST)
         self._silent_s = self._silent_s + wait_s if expects and not data else 0.0
         if self._silent_s > DEAF_S:
-            raise PortError(f"The bridge on {self._name} does not answer any more")
+            raise PortError(
+                f"The bridge on {self._name} does not answer any more", alarms.BRIDGE_LOST
+            )
 
     def pumping(self, done: Callable[[], bool]) -> Steps[None]:
         """Pump until something is so; the device's silence ends it, and so does waiting in vain.
@@ -138,7 +141,9 @@ class Session:
             now_ns = self._clock.now_ns()
             waited_ns, since_ns = waited_ns + min(now_ns - since_ns, _PAUSE_NS), now_ns
             if waited_ns > STUCK_S * _NS_PER_S:
-                raise PortError(f"The bridge on {self._name} answers, but does not follow")
+                raise PortError(
+                    f"The bridge on {self._name} answers, but does not follow", alarms.BRIDGE_STUCK
+                )
             yield
 
     def pump_until(self, done: Callable[[], bool]) -> None:
@@ -158,7 +163,10 @@ class Session:
         code = self.link.refusal(ticket)
         if code:
             what = REFUSALS.get(code, f"reason {code}")
-            raise PortError(f"The bridge on {self._name} refuses command {kind:02X}: {what}")
+            raise PortError(
+                f"The bridge on {self._name} refuses command {kind:02X}: {what}",
+                alarms.BRIDGE_STUCK,
+            )
 
     def command(self, kind: int, payload: bytes = b"") -> None:
         """The same at a stretch."""
@@ -209,7 +217,9 @@ class Session:
             while not done():
                 self.pump(_SLICE_S)
                 if self._clock.now_ns() > until_ns:
-                    raise PortError(f"The bridge on {self._name} does not answer any more.")
+                    raise PortError(
+                        f"The bridge on {self._name} does not answer any more.", alarms.BRIDGE_LOST
+                    )
 
         try:
             if self._moves():

@@ -4,6 +4,7 @@ import os
 from contextlib import suppress
 from typing import Final
 
+from fraese import alarms
 from fraese.errors import PortError
 
 #: A descriptor that is none: every call with it is refused.
@@ -42,5 +43,6 @@ class HeldFile:
             return PortError(f"{self._name} is used after it was given back.")
         return PortError(
             f"{self._name} does not answer any more: {os.strerror(error.errno or 0)};"
-            " position and motor currents are unknown, switch the motors' supply off."
+            " position and motor currents are unknown, switch the motors' supply off.",
+            alarms.PORT_LOST,
         )

@@ -18,6 +18,7 @@ import time
 from dataclasses import replace
 from typing import Final
 
+from fraese import alarms
 from fraese.anythread import any_thread
 from fraese.blocks import Q8, Block
 from fraese.errors import PortError
@@ -166,7 +167,7 @@ class RealtimeDriver:
         """A sign of life, to one who lives."""
         self._require_open()
         if self._session.over:
-            raise PortError("The step process is dead.")
+            raise PortError("The step process is dead.", alarms.STEP_PROCESS_DIED)
         self._session.require_life()
         self._session.beat()
 
@@ -183,7 +184,10 @@ class RealtimeDriver:
         self._require_open()
         now_s = time.monotonic()
         if now_s < self._revive_at_s:
-            raise PortError("The step process is dead; it is started again in a moment.")
+            raise PortError(
+                "The step process is dead; it is started again in a moment.",
+                alarms.STEP_PROCESS_DIED,
+            )
         self._revive_at_s = now_s + _REVIVE_S
         died = self._session
         last = self._report(died.look())

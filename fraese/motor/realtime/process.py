@@ -23,6 +23,7 @@ import time
 from dataclasses import dataclass
 from typing import Final
 
+from fraese import alarms
 from fraese.errors import FraeseError, PortError
 from fraese.motor.realtime import memory as shared
 from fraese.motor.realtime.cores import KeptOff
@@ -97,7 +98,10 @@ class ChildProcess:
             self.memory = Memory(fd, samples)
             self._process = self._spawn(fd, samples)
         except OSError as error:
-            raise PortError(f"The step process cannot be started: {error.strerror}.") from error
+            raise PortError(
+                f"The step process cannot be started: {error.strerror}.",
+                alarms.STEP_PROCESS_START,
+            ) from error
         finally:
             os.close(fd)
         assert self._process.stdin is not None
@@ -145,8 +149,11 @@ class ChildProcess:
             return tuple(self.memory.text().splitlines())
         self._process.kill()
         self.bury()
+        said = self.memory.text()
+        if said:
+            raise PortError(said)
         raise PortError(
-            self.memory.text() or f"The step process did not start ({self._how(self._code)})."
+            f"The step process did not start ({self._how(self._code)}).", alarms.STEP_PROCESS_START
         )
 
     @property

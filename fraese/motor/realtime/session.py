@@ -15,6 +15,7 @@ from collections.abc import Callable
 from itertools import count
 from typing import Final, NoReturn
 
+from fraese import alarms
 from fraese.blocks import Block
 from fraese.errors import PortError, StateError
 from fraese.motor.horizon import Horizon
@@ -161,7 +162,7 @@ class Session:
         self.child.ring()
         death = self.child.leave(self._hung_s)
         if death.error:
-            raise PortError(death.sentence())
+            raise PortError(death.sentence(), alarms.STEP_PROCESS_DIED)
 
     def require_life(self) -> None:
         """Tell a death, once the motors have been seen to."""
@@ -186,4 +187,4 @@ class Session:
 
     def _tell_death(self) -> NoReturn:
         self.over = True
-        raise PortError(self.child.bury().sentence())
+        raise PortError(self.child.bury().sentence(), alarms.STEP_PROCESS_DIED)
