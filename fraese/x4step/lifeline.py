@@ -1,7 +1,7 @@
-"""Programs that forget X4ReInit, or do not get to it: ports are given back all the same.
+r"""Programs that forget X4ReInit, or do not get to it: ports are given back all the same.
 
     end of the program, exception, Ctrl-C      atexit
-    SIGTERM, SIGHUP                            SystemExit in the main thread, then atexit
+    SIGTERM, SIGHUP, SIGQUIT (Ctrl-\)           SystemExit in the main thread, then atexit
     kill -9                                    the step process, or the bridge, misses the program
 
 Rule 1: signals that the program handles itself stay its own.
@@ -17,7 +17,7 @@ from types import FrameType
 from typing import Any, Final, Protocol
 
 _SIGNALS: Final = tuple(
-    getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)
+    getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
 )
 _TURN_S: Final = 0.000_5
 

@@ -6,8 +6,8 @@ r"""Keys from a terminal: from one that knows kitty's protocol with their releas
     end        what is left is thrown away, the terminal is as it was
 
 Rule 1: a program in the background leaves the terminal alone; so does one whose terminal is gone.
-Rule 2: Ctrl-C stays what it is; so do Ctrl-Z and Ctrl-\, for which the terminal is given back
-        first.
+Rule 2: Ctrl-C stays what it is. So does Ctrl-Z, but it is read like a key, for the terminal is
+        given back first. Ctrl-\ ends the program as other signals do (``lifeline``).
 Rule 3: what was typed before the start brakes nothing. It is handed back by ``getch`` and ``gets``;
         it is lost for ``input``.
 Rule 4: as long as the terminal is not as it was, it is on the list of what must not stay so
@@ -34,6 +34,8 @@ _CONTROL_CHARACTERS: Final = 6
 _CHUNK: Final = 4096
 #: Between two looks for a key, s.
 _LOOK_S: Final = 0.01
+#: Until a signal that stops a program has stopped all its threads, s.
+_STOPPING_S: Final = 0.05
 #: Control characters that are signals.
 _SIGNALS: Final = {
     termios.VINTR: signal.SIGINT,
@@ -109,10 +111,7 @@ class TerminalKeys:
             return []
         strokes = self._read()
         self._kitty.settled()
-        for stroke in strokes:
-            if stroke.phase == "press":
-                self._signal(stroke.key.text)
-        return strokes
+        return [stroke for stroke in strokes if not self._signals(stroke)]
 
     def end(self) -> None:
         """They stand: give it back, without what was typed meanwhile."""
@@ -131,7 +130,7 @@ class TerminalKeys:
         """A key waits."""
         if not self.ahead and self._take():
             try:
-                self._keep(self._read())
+                self._keep(self.strokes())
             finally:
                 self._give_back()
         return bool(self.ahead)
@@ -186,6 +185,7 @@ class TerminalKeys:
             mine[_LOCAL] &= ~(termios.ICANON | termios.ECHO)
             mine[_CONTROL_CHARACTERS][termios.VMIN] = 0
             mine[_CONTROL_CHARACTERS][termios.VTIME] = 0
+            mine[_CONTROL_CHARACTERS][termios.VSUSP] = self._nothing
             termios.tcsetattr(self._descriptor, termios.TCSANOW, mine)
         return self._before is not None
 
@@ -206,14 +206,21 @@ class TerminalKeys:
                 termios.tcsetattr(self._descriptor, termios.TCSANOW, before)
             lifeline.let_go(self)
 
-    def _signal(self, char: str) -> None:
-        """What the terminal itself would have done for this character."""
-        before = self._before
-        if before is None or not char or not before[_LOCAL] & termios.ISIG:
-            return
+    def _signals(self, stroke: Stroke) -> bool:
+        """Do what the terminal itself would have done for this key; False: nothing."""
+        before, char = self._before, stroke.key.text.encode()
+        if before is None or not before[_LOCAL] & termios.ISIG or char in (b"", self._nothing):
+            return False
         for place, number in _SIGNALS.items():
-            if before[_CONTROL_CHARACTERS][place] == char.encode():
+            if before[_CONTROL_CHARACTERS][place] == char and stroke.phase in ("press", "typed"):
                 self._send(number)
+                return True
+        return False
+
+    @property
+    def _nothing(self) -> bytes:
+        """The control character that is none."""
+        return bytes([os.fpathconf(self._descriptor, "PC_VDISABLE")])
 
     def _send(self, number: signal.Signals) -> None:
         if number is signal.SIGINT:
@@ -222,6 +229,8 @@ class TerminalKeys:
         self._settle()
         self._give_back()
         os.killpg(os.getpgrp(), number)
+        # It may be another thread that is told; this one must not go on before all are stopped.
+        time.sleep(_STOPPING_S)
         if self._take():
             self._kitty.begin()
 
