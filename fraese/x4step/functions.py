@@ -1,11 +1,13 @@
 """The sixteen functions of the manual, under their own names, on one port at a time.
 
-They answer with codes, as in C, and raise nothing for what the manual has a code for. A port that
-cannot be opened, or was lost, is 6; why is written to standard error and to the log.
+They answer with codes, as in C, and raise nothing for what the manual has a code for; what is no
+integer is a TypeError, and changes nothing. A port that cannot be opened, or was lost, is 6; why is
+written to standard error and to the log.
 """
 
 import time
 from collections.abc import Callable, Iterable
+from operator import index
 
 from fraese.errors import ConfigError, PortError, TraceError
 from fraese.x4step import surroundings, verdicts
@@ -34,7 +36,7 @@ def X4Init(lpt: int) -> X4Error:
         global _machine
         if _machine is not None:
             _machine.require_standstill()
-        if lpt not in PORTS:
+        if index(lpt) not in PORTS:
             raise X4Failure(X4ErrParamFail)
         X4ReInit()
         _machine = X4Step(lpt)

@@ -6,6 +6,7 @@ from types import TracebackType
 from typing import Final, Self
 
 from fraese.log import logged
+from fraese.motor.clock import MonotonicClock
 from fraese.motor.pins import STATUS_PINS
 from fraese.x4step import lifeline, surroundings, verdicts
 from fraese.x4step.codes import (
@@ -59,7 +60,8 @@ class X4Step:
     """
 
     def __init__(self, lpt: int = LPT1, around: Surroundings | None = None) -> None:
-        if index(lpt) not in PORTS:
+        lpt = index(lpt)
+        if lpt not in PORTS:
             raise X4Failure(X4ErrParamFail)
         around = around or surroundings.present()
         self._loaded: Load | None = None
@@ -78,7 +80,8 @@ class X4Step:
 
     def _owned(self, around: Surroundings) -> Owner:
         motion, reader = Motion(self._opened.driver), around.keyboard.reader()
-        if around.is_lockstep and self._opened.mill is not None:
+        # A port on the machine's own clock does not wait for anybody.
+        if around.is_lockstep and not isinstance(self._clock, MonotonicClock):
             return Owner(motion, self._clock, reader, surroundings.complain)
         opened = self._opened
         return ThreadedOwner(
@@ -112,8 +115,8 @@ class X4Step:
         """
         way = tuple(index(n) for n in steps)
         way += (0,) * (len(AXES) - len(way))
-        asked = Asked(freq_hz=index(freq_hz), ramp_ms=index(ramp_ms), steps=way)
-        self._require(verdicts.LOAD, asked)
+        freq_hz, ramp_ms = index(freq_hz), index(ramp_ms)
+        self._require(verdicts.LOAD, Asked(freq_hz=freq_hz, ramp_ms=ramp_ms, steps=way))
         if len(way) != len(AXES):
             raise X4Failure(X4ErrParamFail)
         self._loaded = (way, freq_hz, ramp_ms)
@@ -152,8 +155,8 @@ class X4Step:
 
     @logged
     def _move(self, axis: int, sign: int, freq_hz: int, ramp_ms: int) -> None:
-        asked = Asked(axis=index(axis), freq_hz=index(freq_hz), ramp_ms=index(ramp_ms))
-        self._require(verdicts.MOVE, asked)
+        axis, freq_hz, ramp_ms = index(axis), index(freq_hz), index(ramp_ms)
+        self._require(verdicts.MOVE, Asked(axis=axis, freq_hz=freq_hz, ramp_ms=ramp_ms))
         way = endless(AXES.index(axis), sign, freq_hz, ramp_ms, len(AXES))
         self._begin(lambda: self._owner.motion.start(way))
 
@@ -194,6 +197,7 @@ class X4Step:
 
     def steps(self, axis: int) -> int:
         """Signed steps since the last start; 0 for an axis that is none (X4GetSteps)."""
+        axis = index(axis)
         facts = self._owner.ask(("steps", axis))
         return facts.steps[AXES.index(axis)] if axis in AXES else 0
 
@@ -242,9 +246,9 @@ class X4Step:
                 break
             if not -_BYTE // 2 <= code <= _BYTE:
                 raise X4Failure(X4ErrParamFail)
+            if len(named) == MOST_CODES:
+                raise X4Failure(X4ErrParamFail)
             named.append(code & _BYTE)
-        if len(named) > MOST_CODES:
-            raise X4Failure(X4ErrParamFail)
         self._owner.brake_codes = frozenset((ESC_CODE, *named))
 
     @property
@@ -260,7 +264,8 @@ class X4Step:
             X4Failure: 8 for any other number.
             PortError: if the port was lost.
         """
-        self._require(verdicts.SET_OUT, Asked(signal=index(signal)))
+        signal = index(signal)
+        self._require(verdicts.SET_OUT, Asked(signal=signal))
         mask, on = _SWITCHES[signal]
         self._owner.do(lambda: self._opened.driver.set_outputs(mask, mask if on else 0))
 

@@ -1,7 +1,10 @@
 """Every limit and every code of the manual, at the limit and one beyond; nothing moves for it."""
 
 from collections.abc import Callable, Iterator
+from itertools import repeat
+from typing import Any
 
+import numpy as np
 import pytest
 
 from fraese.x4step import (
@@ -249,3 +252,53 @@ def test_the_class_raises_what_the_functions_answer(lab: Lab) -> None:
         motors.load((1,), 1000, 50)
     with pytest.raises(X4Failure, match="X4ErrNotActive"):
         motors.stop()
+
+
+def took_s(lab: Lab) -> float:
+    """How long the motion took."""
+    lines = lab.lines()
+    return (lines.falls(17)[0] - lines.rises(17)[0]) / 1e9
+
+
+@pytest.mark.parametrize("kind", [int, np.int16, np.uint16])
+def test_any_kind_of_integer_will_do(lab: Lab, kind: Callable[[int], int]) -> None:
+    """Also one that overflows where programs compute with it."""
+    assert X4Init(kind(2)) == 0
+    assert X4Load(kind(25_000), -7, kind(0), kind(0), kind(20_000), kind(1000)) == 0
+    assert X4Start() == 0
+    while X4GetState():
+        pass
+    assert [X4GetSteps(kind(axis)) for axis in (1, 2)] == [25_000, -7]
+    assert took_s(lab) == pytest.approx(1.25 + 1, rel=0.01)
+    assert X4MovePos(kind(3), kind(1000), kind(50)) == 0
+    assert X4Stop() == 0
+    assert X4SetOut(kind(3)) == 0
+    assert lab.lines().level(14)
+
+
+@pytest.mark.parametrize("wrong", [1.0, 2.5, "1", b"1", None, [], 1j])
+def test_what_is_no_integer_changes_nothing(ready: Lab, wrong: object) -> None:
+    """A compiler would have said so."""
+    said: list[Callable[[Any], Any]] = [
+        X4Init,
+        X4SetOut,
+        X4GetSteps,
+        lambda no: X4Load(no, 0, 0, 0, 1000, 50),
+        lambda no: X4Load(1, 0, 0, 0, no, 0),
+        lambda no: X4Load(1, 0, 0, 0, 1000, no),
+        lambda no: X4MovePos(no, 1000, 50),
+        lambda no: X4MoveNeg(1, no, 0),
+        lambda no: X4BrakeCodes([28, no]),
+    ]
+    for call in said:
+        with pytest.raises(TypeError):
+            call(wrong)
+    assert nothing_moved(ready)
+    assert X4Start() == 11
+    assert [number for number, _ in ready.opened] == [2]
+    assert X4Load(*PATH, 1000, 50) == 0
+
+
+def test_codes_without_an_end_are_too_many(ready: Lab) -> None:
+    assert X4BrakeCodes(repeat(28)) == 8
+    assert X4BrakeCodes(iter([28, 57])) == 0
