@@ -32,4 +32,20 @@ class Ask:
 
 STANDSTILL: Final = Standstill()
 
+#: A block's tag names the move that it belongs to: its number in the program, above so many bits of
+#: its line.
+MOVE_BITS: Final = 32
+_LINE: Final = (1 << MOVE_BITS) - 1
+
+
+def line_of(tag: int) -> int:
+    """The line that a block belongs to; 0: none."""
+    return tag & _LINE
+
+
+def move_of(tag: int) -> int:
+    """The number of the move that a block belongs to, from 1; 0: none."""
+    return tag >> MOVE_BITS
+
+
 Job = Generator[Block | Standstill | Ask, Report, None]

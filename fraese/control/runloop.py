@@ -20,7 +20,7 @@ from typing import Final
 from fraese.anythread import any_thread
 from fraese.config import Config
 from fraese.control.endswitches import EndSwitches
-from fraese.control.jobs import Job
+from fraese.control.jobs import Job, line_of
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.onlooker import Onlooker, lost_in_words
 from fraese.control.position import Position
@@ -327,7 +327,7 @@ class RunLoop:
     def _progress_now(self, progress: JobProgress) -> JobProgress:
         return replace(
             progress,
-            line=self._queue.report.tag,
+            line=line_of(self._queue.report.tag),
             blocks=self._queue.blocks,
             elapsed_s=(self._clock.now_ns() - self._job_from_ns) / _NS_PER_S,
         )

@@ -91,6 +91,11 @@ class ProgramContext:
             folders=(path.parent,),
         )
 
+    @property
+    def has_laser(self) -> bool:
+        """M3 switches a beam, not a spindle."""
+        return bool(self.config.outputs.mask("laser"))
+
     def retract_mm(self) -> float:
         """How far the tool is lifted while the program is held."""
         return self.config.run.retract_mm

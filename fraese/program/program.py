@@ -17,7 +17,7 @@ from fraese.machine import Millimetres
 from fraese.program.check import Facts, Survey, check_apart, check_program
 from fraese.program.context import ProgramContext
 from fraese.program.offsethistory import OffsetHistory
-from fraese.program.runfromline import in_words, skip_to
+from fraese.program.runfromline import Place, in_words, skip_to
 from fraese.program.source import ProgramSource, require_readable
 from fraese.program.translate import Translation
 
@@ -101,7 +101,7 @@ class Program:
         translation = Translation(context, controller)
         moves = source.moves()
         if from_line > 1:
-            moves = skip_to(moves, from_line, context.safe_height(), source)
+            moves = skip_to(moves, Place(from_line), context, source, translation.numbers)
         history = OffsetHistory(controller, source, translation)
 
         def job() -> Job:
@@ -152,7 +152,7 @@ class Program:
         source = ProgramSource(self.path, context)
         said = [f"{self.name} from line {from_line}:"]
         here = context.start_mm
-        for move in skip_to(source.moves(), from_line, context.safe_height(), source):
+        for move in skip_to(source.moves(), Place(from_line), context, source):
             unit = "mm"
             if isinstance(move, canon.Rapid | canon.Feed):
                 unit = "°" if source.axes.way(here, move.to).is_angle else "mm"

@@ -1,54 +1,85 @@
-"""A program from a line on: what lies before is read, and a way there is put in front.
+"""A program from a place on: what lies before is read, and a way there is put in front.
 
-before the line    read; of what it commands the last word of each kind is repeated
-the way there      up to the safe height | over to where the program would be | down with its feed
-from the line on   the program
+before the place    read; of what it commands the last word of each kind is repeated
+the way there       up to the safe height | over to where the program would be | outputs on, with
+                    the time that they need | down with its feed | a laser on
+from there on       the program
 """
 
 from collections.abc import Generator
+from dataclasses import dataclass
 
 from fraese.errors import ProgramError
 from fraese.gcode import canon
 from fraese.machine import Machine
-from fraese.program.context import Height
+from fraese.program.context import ProgramContext
 from fraese.program.source import ProgramSource
-from fraese.program.translate import Moves
+from fraese.program.translate import Moves, Numbers
 from fraese.workframe import Point
 
+_Way = Generator[canon.Move, canon.Facts | None, None]
 
-def skip_to(moves: Moves, from_line: int, height: Height | None, source: ProgramSource) -> Moves:
-    """The moves from a line on, with the way there in front.
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a program is begun.
+
+    Attributes:
+        line: at the first move of this line or a later one.
+        move: at the move of this number, counted from 1; 0: the line counts.
+    """
+
+    line: int = 0
+    move: int = 0
+
+    def is_reached(self, move: canon.Move, number: int) -> bool:
+        """Whether this move is to be made."""
+        return number >= self.move if self.move else move.line >= self.line
+
+
+def skip_to(
+    moves: Moves,
+    place: Place,
+    context: ProgramContext,
+    source: ProgramSource,
+    numbers: Numbers | None = None,
+) -> Moves:
+    """The moves from a place on, with the way there in front.
 
     What lies before is read for what it leaves in force; of what it commands the last word of
-    each kind (path mode, spindle, coolant) is repeated. Then: up to the safe height, over to where
-    the program would be, and down with its feed.
+    each kind (path mode, spindle, coolant) is repeated.
 
     Args:
         moves: from the source.
-        from_line: where to begin.
-        height: for the way over; None: nothing lifts the tool, it goes straight there.
-        source: knows what the lines before leave in force.
+        place: where to begin.
+        context: knows the safe height, and what hangs on outputs.
+        source: knows what the moves before leave in force.
+        numbers: told what is passed by; None: nobody counts.
 
     Raises:
-        ProgramError: if there is no such line.
+        ProgramError: if there is no such place.
     """
+    numbers = numbers or Numbers()
     kept: dict[type, canon.Move] = {}
-    for move in moves:
-        if move.line >= from_line and not isinstance(move, canon.End):
+    for number, move in enumerate(moves, 1):
+        if place.is_reached(move, number) and not isinstance(move, canon.End):
             break
         if isinstance(move, canon.End):
             raise ProgramError(
-                f"there is nothing to run from line {from_line} on; the program ends in line"
+                f"there is nothing to run from line {place.line} on; the program ends in line"
                 f" {move.line}.",
-                from_line,
+                place.line,
             )
+        numbers.pass_by()
         if isinstance(move, canon.Rapid | canon.Feed | canon.Arc | canon.Probe):
             kept[canon.Rapid] = move
         elif isinstance(move, canon.Spindle | canon.Coolant | canon.PathControl | canon.Tool):
             kept[type(move)] = move
     else:
-        raise ProgramError(f"there is nothing to run from line {from_line} on.", from_line)
-    yield from _way_to(kept, height, source, from_line)
+        raise ProgramError(f"there is nothing to run from line {place.line} on.", place.line)
+    numbers.leave()
+    yield from _way_to(kept, context, source, place.line)
+    numbers.come_back()
     facts = yield move
     yield from _rest(moves, facts)
 
@@ -63,23 +94,45 @@ def _rest(moves: Moves, facts: canon.Facts | None) -> Moves:
 
 
 def _way_to(
-    kept: dict[type, canon.Move], height: Height | None, source: ProgramSource, line: int
-) -> Generator[canon.Move, canon.Facts | None, None]:
-    """From wherever the machine stands to where the program would be."""
-    for kind in (canon.Tool, canon.Spindle, canon.Coolant, canon.PathControl):
+    kept: dict[type, canon.Move], context: ProgramContext, source: ProgramSource, line: int
+) -> _Way:
+    """From wherever the machine stands to where the program would be, with its outputs on."""
+    yield from _repeated(kept, canon.Tool, canon.PathControl)
+    over, down = _legs(kept.get(canon.Rapid), context, source, line)
+    yield from over
+    # A spindle is to turn before the tool goes down; a beam would cut on the way.
+    if context.has_laser:
+        yield from _repeated(kept, canon.Coolant)
+        yield from down
+        yield from _repeated(kept, canon.Spindle)
+    else:
+        yield from _repeated(kept, canon.Spindle, canon.Coolant)
+        yield from down
+
+
+def _legs(
+    last: canon.Move | None, context: ProgramContext, source: ProgramSource, line: int
+) -> tuple[list[canon.Move], list[canon.Move]]:
+    """The way above the work, and the way down."""
+    if last is None:
+        return [], []
+    to: Point = last.to  # type: ignore[union-attr]
+    height = context.safe_height()
+    if height is None:
+        return [canon.Rapid(line, to)], []
+    top = height.at_least(to[height.axis])
+    feed_mm_min = source.modal.feed_mm_min or source.default_feed_mm_min
+    over: list[canon.Move] = [
+        canon.Rapid(line, top.at(source.start_mm)),
+        canon.Rapid(line, top.at(to)),
+    ]
+    return over, [canon.Feed(line, to, feed_mm_min)]
+
+
+def _repeated(kept: dict[type, canon.Move], *kinds: type[canon.Move]) -> _Way:
+    for kind in kinds:
         if kind in kept:
             yield kept[kind]
-    last = kept.get(canon.Rapid)
-    if last is None:
-        return
-    to: Point = last.to  # type: ignore[union-attr]
-    if height is None:
-        yield canon.Rapid(line, to)
-        return
-    top = height.at_least(to[height.axis])
-    yield canon.Rapid(line, top.at(source.start_mm))
-    yield canon.Rapid(line, top.at(to))
-    yield canon.Feed(line, to, source.modal.feed_mm_min or source.default_feed_mm_min)
 
 
 def in_words(move: canon.Move, machine: Machine, unit: str) -> str:

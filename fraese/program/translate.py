@@ -14,7 +14,7 @@ from typing import Any, Final
 from fraese import alarms
 from fraese.blocks import Block, WatchAction
 from fraese.control.controller import Controller
-from fraese.control.jobs import STANDSTILL, Ask, Job, Standstill
+from fraese.control.jobs import MOVE_BITS, STANDSTILL, Ask, Job, Standstill
 from fraese.errors import ProbeError
 from fraese.gcode import canon
 from fraese.motor.seams import Ended, Report
@@ -28,12 +28,43 @@ Part = Generator[Block | Standstill | Ask, Report, canon.Facts | None]
 _DIRECTIONS: Final = {1: "clockwise", -1: "counter-clockwise"}
 
 
+class Numbers:
+    """The number of the move in hand, as a block's tag carries it.
+
+    Attributes:
+        high: the number of the last move, where it is in a tag; 0: before the first.
+        stride: what the next move adds; 0 on a way that is no part of the program.
+    """
+
+    def __init__(self) -> None:
+        self.high = 0
+        self.stride = 1 << MOVE_BITS
+
+    def pass_by(self) -> None:
+        """A move of the program that is not made."""
+        self.high += 1 << MOVE_BITS
+
+    def leave(self) -> None:
+        """A way begins; it counts as the move to which it leads."""
+        self.pass_by()
+        self.stride = 0
+
+    def come_back(self) -> None:
+        """The way is over; the next move is that to which it led."""
+        self.stride = 1 << MOVE_BITS
+        self.high -= self.stride
+
+
 class Translation:
     """Plans the moves of one program.
 
     Args:
         context: the machine as the program finds it.
         controller: told, asked and watched; None for a check.
+
+    Attributes:
+        planner: what makes blocks of moves.
+        numbers: of the move in hand.
     """
 
     def __init__(self, context: ProgramContext, controller: Controller | None) -> None:
@@ -41,6 +72,7 @@ class Translation:
         self._controller = controller
         self._override = 1.0
         self._probed_way: tuple[float, ...] = ()
+        self.numbers = Numbers()
         self.planner = Planner(
             context.machine, context.start_steps, context.options(), context.slack_steps
         )
@@ -52,7 +84,7 @@ class Translation:
             ProgramError: a line is refused, from the interpreter.
             ProbeError: a probe touches never, or already.
         """
-        line, rows = self.planner.line, _ROWS
+        line, rows, numbers = self.planner.line, _ROWS, self.numbers
         feed, rapid = canon.Feed, canon.Rapid
         facts: canon.Facts | None = None
         while True:
@@ -61,17 +93,23 @@ class Translation:
             except StopIteration:
                 break
             facts = None
+            high = numbers.high = numbers.high + numbers.stride
             kind = type(move)
             if kind is not feed and kind is not rapid:
                 facts = yield from rows[kind](self, move)
             elif self._probed_way:
                 yield from self._leave_contact(move)
             else:
-                for block in line(move.to, move.feed_mm_min if kind is feed else None, move.line):
+                feed_mm_min = move.feed_mm_min if kind is feed else None
+                for block in line(move.to, feed_mm_min, high | move.line):
                     yield block
                     self._follow_override()
             self._follow_override()
         yield from _each(self.planner.finish())
+
+    def _tag(self, move: canon.Move) -> int:
+        """Names the move in the driver's reports."""
+        return self.numbers.high | move.line
 
     def _follow_override(self) -> None:
         if self._controller is not None and self._controller.override != self._override:
@@ -82,14 +120,14 @@ class Translation:
 
     def _arc(self, move: canon.Arc) -> Part:
         for block in self.planner.arc(
-            move.to, move.centre, move.plane, move.turns, move.feed_mm_min, move.line
+            move.to, move.centre, move.plane, move.turns, move.feed_mm_min, self._tag(move)
         ):
             yield block
             self._follow_override()
         return None
 
     def _dwell(self, move: canon.Dwell) -> Part:
-        yield from _each(self.planner.dwell(move.duration_s, move.line))
+        yield from _each(self.planner.dwell(move.duration_s, self._tag(move)))
         return None
 
     def _path_control(self, move: canon.PathControl) -> Part:
@@ -119,7 +157,8 @@ class Translation:
             return None
         if (yield from self._switch("spindle", on)):
             if on:
-                yield from _each(self.planner.dwell(self._context.config.run.spin_up_s, move.line))
+                spin_up_s = self._context.config.run.spin_up_s
+                yield from _each(self.planner.dwell(spin_up_s, self._tag(move)))
             return None
         text = (
             f"Spindle on, {_DIRECTIONS[move.direction]}, {move.rev_min:g} rev/min"
@@ -171,7 +210,7 @@ class Translation:
     def _probe(self, move: canon.Probe) -> Part:
         controller = self._controller
         if controller is None:
-            yield from _each(self.planner.line(move.to, move.feed_mm_min, move.line))
+            yield from _each(self.planner.line(move.to, move.feed_mm_min, self._tag(move)))
             yield from _each(self.planner.drain())
             return None
         yield from _each(self.planner.drain())
@@ -186,7 +225,8 @@ class Translation:
                 line=move.line,
             )
         watch = switches.probe_watch(closed=move.until_closed, action=WatchAction.STOP)
-        yield from _each(self.planner.watched(move.to, move.feed_mm_min, watch, move.line))
+        tag = self._tag(move)
+        yield from _each(self.planner.watched(move.to, move.feed_mm_min, watch, tag))
         report = yield STANDSTILL
         touched = report.ended is Ended.WATCH
         contact_mm = self._point(where.latched_steps(report)) if touched else None
@@ -212,10 +252,10 @@ class Translation:
         further_in = sum(a * b for a, b in zip(way, self._probed_way, strict=True)) > 0
         watch = controller.switches.watch(closed=False, action=WatchAction.IGNORE)
         if further_in:
-            yield from _each(self.planner.line(move.to, feed_mm_min, move.line))
+            yield from _each(self.planner.line(move.to, feed_mm_min, self._tag(move)))
             yield from _each(self.planner.drain())
         else:
-            yield from _each(self.planner.watched(move.to, feed_mm_min, watch, move.line))
+            yield from _each(self.planner.watched(move.to, feed_mm_min, watch, self._tag(move)))
         report = yield STANDSTILL
         if not report.switch_closed:
             self._probed_way = ()

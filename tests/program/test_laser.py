@@ -144,3 +144,19 @@ def test_off_after_a_program_was_broken_off_and_not_on_with_the_next_jog(
     controller.jog("y", 1)
     assert controller.run() is Status.OK
     assert set(jogged) == {False}
+
+
+def test_off_on_the_way_to_a_line_and_on_from_there(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    made, is_on = _simulated(monkeypatch)
+    seen: list[tuple[tuple[float, ...], bool]] = []
+    made.controller.set_show_pos(
+        lambda: seen.append((made.controller.state().position_mm, is_on()))
+    )
+    text = "G21 G90\nM3 S1000\nG1 X4 F600\nG1 Y3\nX8\nM5\nM2\n"
+    assert run_program(made, program(tmp_path, text), from_line=5) is Status.OK
+    on = [where for where, burns in seen if burns]
+    assert min(x for x, _, _ in on) >= 4
+    assert {y for _, y, _ in on} == {3}
+    assert max(x for x, _, _ in on) > 7

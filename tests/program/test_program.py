@@ -1,15 +1,17 @@
 """Programs from file on the simulated mill: what runs, what is refused, what is left behind."""
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from fraese.assembly import Plant
+from fraese.control.jobs import line_of, move_of
 from fraese.control.state import Status
 from fraese.errors import LimitError, ProgramError, StateError
 from fraese.motor.seams import CONTROL
-from fraese.program import open_program
+from fraese.program import Program, open_program
 from tests.helpers import (
     STEPDIR,
     after_slices,
@@ -583,6 +585,62 @@ def test_from_a_line_repeats_spindle_and_tool(tmp_path: Path) -> None:
     assert run_program(made, program(tmp_path, text), from_line=4) is Status.OK
     assert any("Spindle on" in text for text in told)
     assert len(asked) == 1
+
+
+def test_a_spindle_turns_above_the_work_before_the_tool_goes_down(tmp_path: Path) -> None:
+    made = homed(outputs={"spindle": {"pin": 14}}, run={"spin_up_s": 1})
+    recorder = record(made)
+    heights: list[tuple[bool, float, float]] = []
+
+    def look() -> None:
+        written = [access.value for access in recorder.accesses if access.register == CONTROL]
+        turns = bool(written) and not written[-1] & 2
+        x_mm, _, z_mm = made.controller.state().position_mm
+        # At the end of the program it is switched off.
+        if x_mm < 29:
+            heights.append((turns, z_mm, made.clock.now_ns() / 1e9))
+
+    made.controller.set_show_pos(look)
+    text = "M3 S500\nG0 Z-2\nX10\nG1 Z-5 F300\nX20\nX30\nM2\n"
+    assert run_program(made, program(tmp_path, text), from_line=6) is Status.OK
+    down = [(turns, at_s) for turns, height, at_s in heights if height < -0.5]
+    assert all(turns for turns, _ in down)
+    assert not heights[0][0]
+    # It had its time to come up to speed.
+    on_s = next(at_s for turns, _, at_s in heights if turns)
+    assert down[0][1] - on_s >= 1
+
+
+def _numbers(made: Plant, part: Program, **how: int) -> list[tuple[int, int]]:
+    """Number and line of every move that was seen being played, in order."""
+    seen: list[tuple[int, int]] = []
+
+    def look() -> None:
+        tag = made.controller._queue.report.tag
+        if tag and (move_of(tag), line_of(tag)) not in seen[-1:]:
+            seen.append((move_of(tag), line_of(tag)))
+
+    made.controller.set_show_pos(look)
+    assert run_program(made, part, **how) is Status.OK
+    return seen
+
+
+def test_moves_are_numbered_through_loops(tmp_path: Path) -> None:
+    text = "G21 G90 F600\nO1 REPEAT [3]\nG1 X10\nG1 X0\nO1 ENDREPEAT\nG1 Y5\nM2\n"
+    seen = _numbers(homed(), program(tmp_path, text))
+    lines = [line for _, line in seen]
+    assert lines == [3, 4, 3, 4, 3, 4, 6]
+    numbers = [number for number, _ in seen]
+    assert numbers == sorted(set(numbers))
+    assert [b - a for a, b in pairwise(numbers)] == [1] * 6
+
+
+def test_a_program_from_a_line_has_the_numbers_of_the_whole_one(tmp_path: Path) -> None:
+    text = "G21 G90 F600\nG1 X10\nG1 X0\nG1 Z-1\nG1 X20\nG1 Y5\nM2\n"
+    whole = _numbers(homed(), program(tmp_path, text))
+    part = _numbers(homed(), program(tmp_path, text), from_line=5)
+    # The way there is made as that of the move to which it leads.
+    assert set(part) == set(whole[3:])
 
 
 def test_the_frame_goes_round_at_a_safe_height(tmp_path: Path) -> None:
