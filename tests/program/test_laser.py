@@ -154,9 +154,9 @@ def test_off_on_the_way_to_a_line_and_on_from_there(
     made.controller.set_show_pos(
         lambda: seen.append((made.controller.state().position_mm, is_on()))
     )
-    text = "G21 G90\nM3 S1000\nG1 X4 F600\nG1 Y3\nX8\nM5\nM2\n"
-    assert run_program(made, program(tmp_path, text), from_line=5) is Status.OK
+    text = "G21 G90\nG1 Z-2 F600\nM3 S1000\nG1 X4\nG1 Y3\nX8\nM5\nM2\n"
+    assert run_program(made, program(tmp_path, text), from_line=6) is Status.OK
     on = [where for where, burns in seen if burns]
     assert min(x for x, _, _ in on) >= 4
-    assert {y for _, y, _ in on} == {3}
+    assert {(y, z) for _, y, z in on} == {(3, -2)}
     assert max(x for x, _, _ in on) > 7
