@@ -172,8 +172,10 @@ class KeyReader:
     def codes(self) -> list[int]:
         """Scan codes since the last call."""
         self._keyboard.pump()
-        codes = list(self.heard)
-        self.heard.clear()
+        # One by one: the owner of another machine may be handing round just now.
+        codes = []
+        while self.heard:
+            codes.append(self.heard.popleft())
         return codes
 
     def end(self) -> None:

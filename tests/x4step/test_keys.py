@@ -8,12 +8,15 @@ import sys
 import termios
 import textwrap
 import time
+from collections import deque
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from fraese.x4step.decoder import Decoder, Holding, Key
 from fraese.x4step.keyboard import AT_KEYBOARD, MAKE_CODES, MF2_KEYBOARD, char_codes
+from fraese.x4step.keys import HandKeys, Keyboard
 from fraese.x4step.terminal import TerminalKeys
 
 MS = 1_000_000
@@ -196,3 +199,29 @@ def test_scancodes_are_shown() -> None:
         "ESC        make   1  break 129",
         "ESC        make   1  break 129",
     ]
+
+
+class SharedCodes(deque[int]):
+    """While one machine takes what it heard, the owner of another one hands it one more."""
+
+    def _meanwhile(self) -> None:
+        self.append(203)
+
+    def __iter__(self) -> Iterator[int]:
+        yield from [self[place] for place in range(len(self))]
+        self._meanwhile()
+
+    def popleft(self) -> int:
+        code = super().popleft()
+        if code != 203:
+            self._meanwhile()
+        return code
+
+
+def test_a_key_that_another_machine_hands_round_meanwhile_is_heard() -> None:
+    source = HandKeys()
+    reader = Keyboard(source).reader()
+    reader.begin()
+    reader.heard = SharedCodes()
+    source.press(75)
+    assert [*reader.codes(), *reader.codes()] == [75, 203]
