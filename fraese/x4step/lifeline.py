@@ -9,12 +9,13 @@ Rule 2: while a machine is open, threads take turns more often: the owner must n
 """
 
 import atexit
-import contextlib
 import signal
 import sys
 import threading
 from types import FrameType
 from typing import Any, Final, Protocol
+
+from fraese.x4step.surroundings import complain
 
 _SIGNALS: Final = tuple(
     getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
@@ -58,8 +59,11 @@ def let_go(machine: Closable) -> None:
 def close_all() -> None:
     """Close what is still open."""
     for machine in tuple(_open):
-        with contextlib.suppress(Exception):
+        try:
             machine.close()
+        except Exception as error:
+            # The others still have to be closed.
+            complain(f"Not everything could be switched off: {error}")
 
 
 def _take_signals() -> None:

@@ -9,6 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from fraese.errors import PortError
+from fraese.x4step import lifeline
+
 pytestmark = pytest.mark.alone
 
 ROOT = Path(__file__).parents[2]
@@ -88,3 +91,20 @@ def test_a_signal_that_the_program_handles_stays_its_own() -> None:
     )
     running.communicate(timeout=30)
     assert running.returncode == 7
+
+
+class Stuck:
+    """A machine whose motors cannot be switched off."""
+
+    def close(self) -> None:
+        lifeline.let_go(self)
+        raise PortError("/dev/parport0 is gone.")
+
+
+def test_what_cannot_be_switched_off_at_the_end_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    machines = [Stuck(), Stuck()]
+    for machine in machines:
+        lifeline.hold(machine)
+    lifeline.close_all()
+    said = "x4step: Not everything could be switched off: /dev/parport0 is gone.\n"
+    assert capsys.readouterr().err == 2 * said
