@@ -95,7 +95,7 @@ def X4GetSteps(achse: int) -> int:
 
 def X4BrakeCodes(codes: Iterable[int] | str) -> X4Error:
     """Scan codes of up to 20 keys that brake, besides ESC; a 0 ends them."""
-    return _do(verdicts.SET_OUT, lambda x4: x4.brake_codes(codes))
+    return _do(verdicts.BRAKE_CODES, lambda x4: x4.brake_codes(codes))
 
 
 def X4LastBrakeCode() -> int:

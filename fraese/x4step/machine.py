@@ -1,6 +1,6 @@
 """``X4Step``: four motors at one port, the class behind the sixteen functions."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from operator import index
 from types import TracebackType
 from typing import Final, Self
@@ -34,7 +34,8 @@ _INVERTED: Final = sum(line.bit for line in STATUS_PINS.values() if line.inverte
 _SWITCHES: Final = {
     signal: (1 << number // 2, number % 2 == 0) for number, signal in enumerate(SIGNALS)
 }
-_BYTE: Final = 0xFF
+#: A scan code is a byte; C's char may have a sign.
+_SCAN_CODES: Final = range(-128, 256)
 
 Load = tuple[tuple[int, ...], int, int]
 
@@ -132,7 +133,7 @@ class X4Step:
         self._require(verdicts.START)
         assert self._loaded is not None
         way, freq_hz, ramp_ms = self._loaded
-        self._begin(lambda: self._owner.motion.start(path(way, freq_hz, ramp_ms)))
+        self._owner.start(path(way, freq_hz, ramp_ms))
         self._loaded = None
 
     def move_positive(self, axis: int, freq_hz: int, ramp_ms: int) -> None:
@@ -157,11 +158,7 @@ class X4Step:
     def _move(self, axis: int, sign: int, freq_hz: int, ramp_ms: int) -> None:
         axis, freq_hz, ramp_ms = index(axis), index(freq_hz), index(ramp_ms)
         self._require(verdicts.MOVE, Asked(axis=axis, freq_hz=freq_hz, ramp_ms=ramp_ms))
-        way = endless(AXES.index(axis), sign, freq_hz, ramp_ms, len(AXES))
-        self._begin(lambda: self._owner.motion.start(way))
-
-    def _begin(self, begin: Callable[[], None]) -> None:
-        self._owner.do(lambda: self._owner.start(begin))
+        self._owner.start(endless(AXES.index(axis), sign, freq_hz, ramp_ms, len(AXES)))
 
     @logged
     def brake(self) -> None:
@@ -244,11 +241,9 @@ class X4Step:
         for code in map(index, codes):
             if not code:
                 break
-            if not -_BYTE // 2 <= code <= _BYTE:
+            if code not in _SCAN_CODES or len(named) == MOST_CODES:
                 raise X4Failure(X4ErrParamFail)
-            if len(named) == MOST_CODES:
-                raise X4Failure(X4ErrParamFail)
-            named.append(code & _BYTE)
+            named.append(code & 0xFF)
         self._owner.brake_codes = frozenset((ESC_CODE, *named))
 
     @property

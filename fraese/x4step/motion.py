@@ -115,11 +115,11 @@ class Motion:
         return self.cut_short or self._next is None or report.ended in _FOR_GOOD
 
     def _end(self) -> None:
-        with self._gate:
-            self._drop()
+        self._drop()
         if self.cut_short or self.report.held:
             self._driver.flush()
 
     def _drop(self) -> None:
-        self.moving = False
+        with self._gate:
+            self.moving = False
         self._path, self._next = iter(()), None

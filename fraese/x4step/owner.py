@@ -15,10 +15,11 @@ Rule 4: on a virtual clock there is no thread. Time passes when the same questio
 
 import threading
 import time
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
-from typing import Final, Protocol, TypeVar
+from typing import Final, TypeVar
 
+from fraese.blocks import Block
 from fraese.errors import PortError
 from fraese.motor.seams import Clock
 from fraese.x4step.keys import KeyReader
@@ -56,13 +57,6 @@ class Facts:
     brake_code: int
 
 
-class Complain(Protocol):
-    """Takes a sentence about a port that was lost."""
-
-    def __call__(self, sentence: str) -> None:
-        """Say it."""
-
-
 class Owner:
     """Owns a motion, in the caller's thread; see ``ThreadedOwner`` for one of its own.
 
@@ -77,7 +71,9 @@ class Owner:
         brake_codes: scan codes that brake.
     """
 
-    def __init__(self, motion: Motion, clock: Clock, keys: KeyReader, complain: Complain) -> None:
+    def __init__(
+        self, motion: Motion, clock: Clock, keys: KeyReader, complain: Callable[[str], None]
+    ) -> None:
         self.motion = motion
         self.brake_codes: frozenset[int] = frozenset()
         self._clock = clock
@@ -99,18 +95,21 @@ class Owner:
         """The answer has changed by what the caller did: asked again, it is no loop."""
         self._asked.discard(question)
 
-    def start(self, begin: Callable[[], None]) -> None:
+    def start(self, path: Iterator[Block]) -> None:
         """Begin a motion; it moves when this returns, or has moved.
 
         Raises:
             PortError: if the port cannot be reached.
         """
+        self.do(lambda: self._start(path))
+
+    def _start(self, path: Iterator[Block]) -> None:
         self._asked.clear()
         self._brake_code = 0
         self._reads_keys = True
         self._keys.begin()
         try:
-            begin()
+            self.motion.start(path)
         finally:
             self._leave_keys()
 
@@ -153,19 +152,26 @@ class Owner:
     def _attend(self, budget_s: float) -> None:
         """One look at everything. What is done meanwhile, in a wait of the clock, comes next."""
         self._attending = True
+        try:
+            self._hear()
+            self._look(budget_s)
+        finally:
+            self._attending = False
+        self._leave_keys()
+
+    def _hear(self) -> None:
         for code in self._keys.codes():
             if code in self.brake_codes and self.motion.moving and not self.motion.cut_short:
                 self.motion.brake()
                 self._brake_code = code
+
+    def _look(self, budget_s: float) -> None:
         was_lost = self.motion.lost is not None
         try:
             self.motion.look(budget_s)
         except PortError as error:
             if not was_lost:
                 self._complain(str(error))
-        finally:
-            self._attending = False
-        self._leave_keys()
 
     def _leave_keys(self) -> None:
         """The axes stand: what is typed is the program's again."""
@@ -201,11 +207,12 @@ class ThreadedOwner(Owner):
         motion: Motion,
         clock: Clock,
         keys: KeyReader,
-        complain: Complain,
+        complain: Callable[[str], None],
         slice_s: float,
         idle_s: float,
     ) -> None:
         self._monitor = threading.Condition(threading.RLock())
+        #: One for each who waits. A count would not do: += is not one step, append is.
         self._waiting: list[None] = []
         self._still = threading.Event()
         self._still.set()

@@ -70,7 +70,7 @@ def serve(stream: TextIO) -> None:
             name, *arguments = line.split()
             stream.write(f"{int(CALLS[name](*map(int, arguments)))}\n")
             stream.flush()
-    except (ConnectionError, BrokenPipeError):
+    except ConnectionError:
         # It died while it was being answered.
         pass
     finally:

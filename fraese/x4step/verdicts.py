@@ -82,6 +82,7 @@ LOAD: Final[Rows] = (_NO_INIT, _LOADED, *_RATE, *_STEPS)
 MOVE: Final[Rows] = (_NO_INIT, _MOVING, _LOADED, _AXIS, *_RATE)
 START: Final[Rows] = (_MOVING, _NOT_LOADED)
 BRAKE: Final[Rows] = (_STANDING,)
+BRAKE_CODES: Final[Rows] = (_NO_INIT,)
 SET_OUT: Final[Rows] = (_NO_INIT, _SIGNAL)
 
 

@@ -305,6 +305,19 @@ def test_a_stop_is_without_a_ramp_and_cuts_no_pulse(lab: Lab) -> None:
     assert X4Stop() == 7
 
 
+def test_a_stop_is_at_once_also_after_ctrl_c(lab: Lab, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted() -> list[int]:
+        raise KeyboardInterrupt
+
+    X4MovePos(1, 1000, 50)
+    with monkeypatch.context() as patch:
+        patch.setattr(lab.keys, "codes", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            wait()
+    assert X4Stop() == 0
+    assert X4GetState() == 0
+
+
 def test_a_stop_while_braking(lab: Lab) -> None:
     X4MovePos(1, 1000, 1000)
     while X4GetTimer() < 1100:
