@@ -28,7 +28,7 @@ MUTANTS: Final = (
         "assembly/drivers: the bridge is not told of the laser",
         "the laser burns on while a program is held",
         _A + "drivers.py",
-        "            safe_outputs=order.safe_outputs,\n            silence_s=",
+        "            safe_outputs=safe_outputs,\n            silence_s=",
         "            silence_s=",
         _LASER,
     ),

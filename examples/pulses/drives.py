@@ -25,7 +25,7 @@ from fraese.motor.ports.recorder import Recorder
 from fraese.motor.ports.sim import SimulatedMill, Wiring
 from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import DATA, Port
-from fraese.motor.switches import SwitchInput
+from fraese.motor.switches import NO_SWITCH
 from fraese.x4step.motion import Motion
 
 MOTORS = 2
@@ -42,7 +42,6 @@ TIRELESS = RotorLimits(1e9, 1e9, 1e12)
 #: A good hybrid motor: starts at 180 rev/min, gains 9000 rev/min a second, turns 6000 at most.
 HYBRID = RotorLimits(max_rate_hz=40_000, jump_hz=1200, acceleration_hz_s=60_000)
 
-_NO_SWITCH = SwitchInput(mask=0, closed_value=1)
 _SLICE_S = 0.1
 
 
@@ -95,7 +94,7 @@ def drives(
         meaning = Meaning(step_direction_pins({0: "motor1", 1: "motor2"}))
         waveform = LocalTrace(Wanted(trace, "pulses", meaning).begin(), clock)
         port = waveform.on(recorder)
-    core = MotorCore(port, StepDirCard(profile, motors=MOTORS), clock, _NO_SWITCH, settle_s=0.0)
+    core = MotorCore(port, StepDirCard(profile, motors=MOTORS), clock, NO_SWITCH, settle_s=0.0)
     try:
         yield Drives(Motion(core), simulated, recorder)
     finally:

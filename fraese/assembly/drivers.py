@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 from fraese.assembly.simulation import simulated_mill
 from fraese.assembly.tracing import LocalTrace, Trace, Wanted, closed_on_failure
 from fraese.config import Config
+from fraese.config.wiring import PortConfig
 from fraese.control.endswitches import contact_bits
 from fraese.control.savedstate import SavedState
 from fraese.motor.awake import Awake
@@ -185,32 +186,56 @@ def _devport(config: Config) -> Callable[[], Port]:
 
 
 def _on_bridge(order: Order) -> Made:
+    return bridge_driver(
+        order.config,
+        order.config.port,
+        order.card,
+        order.trace,
+        switch=order.switch,
+        settle_s=order.settle_s,
+        safe_outputs=order.safe_outputs,
+    )
+
+
+def bridge_driver(
+    config: Config,
+    port: PortConfig,
+    card: Card,
+    wanted: Wanted | None,
+    *,
+    switch: SwitchInput,
+    settle_s: float = 0.0,
+    safe_outputs: int = 0,
+) -> Made:
+    """A microcontroller, and the waveform of what it plays, if one is wanted.
+
+    Raises:
+        PortError: if it is not there, or somebody else has it.
+        TraceError: if the waveform cannot be written.
+    """
     # Nobody else needs pyserial.
     from fraese.motor.bridge.driver import BridgeDriver
     from fraese.motor.bridge.line import SerialLine, only_candidate, serial_ports
 
-    port = order.config.port
     device = port.device or only_candidate(serial_ports())
     clock = MonotonicClock()
-    waveform = order.trace.begin() if order.trace else None
+    waveform = wanted.begin() if wanted else None
     driver: StepDriver
     with closed_on_failure(waveform):
         driver = BridgeDriver(
             partial(SerialLine, device, port.baud),
-            order.card,
+            card,
             clock,
-            switch=order.switch,
-            settle_s=order.settle_s,
-            safe_outputs=order.safe_outputs,
-            silence_s=order.config.realtime.silent_s,
+            switch=switch,
+            settle_s=settle_s,
+            safe_outputs=safe_outputs,
+            silence_s=config.realtime.silent_s,
             name=device,
             baud=port.baud,
         )
     trace = None
     if waveform is not None:
-        driver, trace = planned_driver(
-            driver, waveform, order.card, clock, order.settle_s, order.safe_outputs
-        )
+        driver, trace = planned_driver(driver, waveform, card, clock, settle_s, safe_outputs)
     return on_metal(driver, clock, trace)
 
 

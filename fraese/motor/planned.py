@@ -27,11 +27,9 @@ from fraese.motor.core import MotorCore
 from fraese.motor.ports.null import NullPort
 from fraese.motor.ports.traced import TracedPort
 from fraese.motor.seams import Card, Clock, IdleLevel, Report, StepDriver, SwitchMode
-from fraese.motor.switches import SwitchInput
+from fraese.motor.switches import NO_SWITCH
 from fraese.motor.waveform import Waveform
 
-#: Inputs stop nothing here: they have had their effect.
-_NO_SWITCH: Final = SwitchInput(mask=0, closed_value=1)
 _A_RUN_S: Final = 1e6
 _NS_PER_S: Final = 1_000_000_000
 _ENOUGH: Final = 1 << 30
@@ -69,8 +67,9 @@ class PlannedTrace:
         self._clock = VirtualClock()
         self._port = _Inputs()
         traced = TracedPort(self._port, self._clock.now_ns, waveform.note)
+        # Inputs have had their effect already.
         self._core = MotorCore(
-            traced, copy.deepcopy(card), self._clock, _NO_SWITCH, settle_s, _ENOUGH, safe_outputs
+            traced, copy.deepcopy(card), self._clock, NO_SWITCH, settle_s, _ENOUGH, safe_outputs
         )
         self._last: Block | None = None
         self._until_ns = 0

@@ -36,6 +36,10 @@ class SwitchInput(NamedTuple):
     readings: int = 3
 
 
+#: Never fulfilled: inputs stop nothing, and a floating one costs no time.
+NO_SWITCH: Final = SwitchInput(mask=0, closed_value=1)
+
+
 class Debounced:
     """One condition on the status register, true or false only after K equal readings.
 

@@ -19,9 +19,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from fraese.assembly import tracing
-from fraese.assembly.drivers import PORTS, on_metal, planned_driver, real_time_driver
+from fraese.assembly.drivers import PORTS, bridge_driver, on_metal, real_time_driver
 from fraese.config import Config
-from fraese.config.wiring import PortConfig
 from fraese.config.x4step import LptConfig
 from fraese.errors import PortError
 from fraese.motor.awake import Awake
@@ -37,7 +36,7 @@ from fraese.motor.ports.recorder import Recorder
 from fraese.motor.ports.sim import SimulatedMill, Wiring
 from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import Clock, Port, StepDriver
-from fraese.motor.switches import SwitchInput
+from fraese.motor.switches import NO_SWITCH
 from fraese.x4step.codes import AXES, FREQ_HZ
 from fraese.x4step.codes import PORTS as LPTS
 
@@ -57,8 +56,6 @@ LINE_NAMES: Final[Mapping[int, str]] = {
     17: "active",
     **dict.fromkeys(STATUS_PINS, "input"),
 }
-#: Never fulfilled: inputs stop nothing here, and a floating one costs no time.
-NO_SWITCH: Final = SwitchInput(mask=0, closed_value=1)
 #: Follows whatever it is told: what a real motor can follow is not this library's business.
 _TIRELESS: Final = RotorLimits(1e9, 1e9, 1e12)
 _SLICE_S: Final = 0.004
@@ -200,7 +197,7 @@ def _simulation(wanted: Wanted) -> Opened:
 
 def _in_real_time(wanted: Wanted) -> Opened:
     driver, trace = real_time_driver(realtime_setup(wanted), wanted.waveform)
-    made = on_metal(driver, MonotonicClock())
+    made = on_metal(driver, MonotonicClock(), trace)
     return Opened(driver, made.clock, _SLICE_S, METAL_IDLE_S, awake=made.awake, trace=trace)
 
 
@@ -214,7 +211,7 @@ def realtime_setup(wanted: Wanted, open_port: Callable[[], Port] | None = None) 
     from fraese.motor.realtime.setup import RealtimeOptions, Setup
 
     realtime = wanted.config.realtime
-    as_port = wanted.config.model_copy(update={"port": _as_port(wanted.port)})
+    as_port = wanted.config.model_copy(update={"port": wanted.port})
     return Setup(
         open_port or PORTS[wanted.port.kind](as_port),
         x4step_card(wanted.port),
@@ -226,38 +223,11 @@ def realtime_setup(wanted: Wanted, open_port: Callable[[], Port] | None = None) 
     )
 
 
-def _as_port(port: LptConfig) -> PortConfig:
-    return PortConfig(**{key: getattr(port, key) for key in PortConfig.model_fields})
-
-
 def _on_bridge(wanted: Wanted) -> Opened:
-    # Nobody else needs pyserial.
-    from functools import partial
-
-    from fraese.motor.bridge.driver import BridgeDriver
-    from fraese.motor.bridge.line import SerialLine, only_candidate, serial_ports
-
-    port = wanted.port
-    device = port.device or only_candidate(serial_ports())
-    clock = MonotonicClock()
-    waveform = wanted.waveform.begin() if wanted.waveform else None
-    driver: StepDriver
-    with tracing.closed_on_failure(waveform):
-        driver = BridgeDriver(
-            partial(SerialLine, device, port.baud),
-            x4step_card(port),
-            clock,
-            switch=NO_SWITCH,
-            settle_s=0.0,
-            silence_s=wanted.config.realtime.silent_s,
-            name=device,
-            baud=port.baud,
-        )
-    trace = None
-    if waveform is not None:
-        driver, trace = planned_driver(driver, waveform, x4step_card(port), clock)
-    made = on_metal(driver, clock)
-    return Opened(driver, clock, _BRIDGE_S, _BRIDGE_S, awake=made.awake, trace=trace)
+    made = bridge_driver(
+        wanted.config, wanted.port, x4step_card(wanted.port), wanted.waveform, switch=NO_SWITCH
+    )
+    return Opened(made.driver, made.clock, _BRIDGE_S, _BRIDGE_S, awake=made.awake, trace=made.trace)
 
 
 OPENERS: Final[Mapping[str, Callable[[Wanted], Opened]]] = {

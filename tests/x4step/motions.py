@@ -18,9 +18,10 @@ from fraese.config.x4step import LptConfig
 from fraese.motor.core import MotorCore
 from fraese.motor.ports.recorder import Recorder
 from fraese.motor.seams import Port
+from fraese.motor.switches import NO_SWITCH
 from fraese.x4step import X4Step
 from fraese.x4step.keys import HandKeys, Keyboard
-from fraese.x4step.lpt import NO_SWITCH, Opened, x4step_card
+from fraese.x4step.lpt import Opened, x4step_card
 from fraese.x4step.paths import path
 from fraese.x4step.surroundings import Surroundings
 from fraese.x4step.testing import StageClock

@@ -10,10 +10,11 @@ from fraese.config.x4step import LptConfig
 from fraese.motor.bridge.driver import BridgeDriver
 from fraese.motor.meaning import Meaning
 from fraese.motor.seams import StepDriver
+from fraese.motor.switches import NO_SWITCH
 from fraese.motor.waveform import Waveform
 from fraese.x4step import X4Step
 from fraese.x4step.keys import HandKeys, Keyboard
-from fraese.x4step.lpt import LINE_NAMES, NO_SWITCH, Opened, x4step_card
+from fraese.x4step.lpt import LINE_NAMES, Opened, x4step_card
 from fraese.x4step.surroundings import Surroundings
 from fraese.x4step.testing import Lines, clock_pin
 from tests.bridge.device import reason_to_skip
