@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Final, Protocol
 
 from fraese.config import Config
+from fraese.motor.cards.stepdir import ACTIVE_PIN, BOOST_PIN
 from fraese.motor.meaning import CoilCurrents, Decoder, Meaning
 from fraese.motor.phases import LEVEL_MAPS
 from fraese.motor.pins import STATUS_PINS
@@ -23,8 +24,6 @@ from fraese.motor.ports.traced import TracedPort
 from fraese.motor.seams import Clock, Port
 from fraese.motor.waveform import Waveform
 
-BOOST_PIN: Final = 16
-ACTIVE_PIN: Final = 17
 #: The bits of a phase card's data byte, from pin 2 on.
 _PHASE_BITS: Final = ("a_code0", "a_code1", "a_negative", "b_code0", "b_code1", "b_negative")
 _SOCKET_BITS: Final = ("socket0", "socket1")

@@ -13,8 +13,8 @@ from fraese.config import file as configuration
 from fraese.errors import StateError
 from fraese.x4step.codes import ESC_CODE
 from fraese.x4step.decoder import Decoder, Stroke
-from fraese.x4step.keyboard import MAKE_CODES
-from fraese.x4step.keys import BREAK, NoKeys, ToldKeys
+from fraese.x4step.keyboard import BREAK, MAKE_CODES
+from fraese.x4step.keys import NoKeys, ToldKeys
 from fraese.x4step.surroundings import can_read_keys, program_keys, wanted_keys
 
 app = typer.Typer()

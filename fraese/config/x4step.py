@@ -7,6 +7,8 @@ from pydantic import Field
 from fraese.config.section import Section
 from fraese.config.wiring import PortConfig, StatusPin
 
+KeysName = Literal["auto", "kitty", "plain", "evdev"]
+
 
 class LptConfig(PortConfig):
     """One port of X4Step programs."""
@@ -26,7 +28,7 @@ class X4StepConfig(Section):
     keyboard: Literal["us", "de"] = Field(
         "us", description="Where characters lie on the keyboard, if a terminal sends no scan codes."
     )
-    keys: Literal["auto", "kitty", "plain", "evdev"] = Field(
+    keys: KeysName = Field(
         "auto",
         description="Where keys come from: a terminal, with or without releases; or Linux itself.",
     )

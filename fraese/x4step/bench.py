@@ -22,6 +22,7 @@ from fraese.x4step.codes import (
     AXES,
     ESC_CODE,
     FREQ_HZ,
+    INPUT_PINS,
     MOST_STEPS,
     RAMP_MS,
     X4ErrFreqTooLow,
@@ -41,8 +42,7 @@ from fraese.x4step.functions import (
     X4MovePos,
     X4Start,
 )
-from fraese.x4step.keyboard import MAKE_CODES
-from fraese.x4step.keys import BREAK
+from fraese.x4step.keyboard import BREAK, MAKE_CODES
 
 HELP: Final = f"""\
 Test program for X4Step, after TEST of the library X4Step 1.0 by B. Lewetz, 1995
@@ -68,7 +68,6 @@ Commands:
 _NS: Final = "-?[0-9]+"
 _LEFT: Final = MAKE_CODES["LEFT"]
 _RIGHT: Final = MAKE_CODES["RIGHT"]
-_INPUTS: Final = (11, 10, 12, 13, 15)
 
 
 class Console(Protocol):
@@ -189,6 +188,7 @@ class Bench:
         """G."""
         way = tuple(self.axes[axis].steps for axis in AXES)
         leader = max(self.axes.values(), key=lambda axis: abs(axis.steps))
+        X4ClearTimer()
         self._drive(way, leader.freq_hz, leader.ramp_ms)
         self._tell_steps()
 
@@ -198,6 +198,7 @@ class Bench:
         start = X4MovePos if rest == "+" else X4MoveNeg
         _require(start(self.axis, axis.freq_hz, axis.ramp_ms))
         self._say("Moving; ESC ends it.")
+        X4ClearTimer()
         self._wait(only_esc_ends=True)
         self._tell_steps()
 
@@ -210,6 +211,7 @@ class Bench:
             raise Refused(f"The first rate ({low} Hz) must not be above the last ({high} Hz).")
         for freq_hz in range(low, high + 1, apart):
             self._say(f"{freq_hz} Hz")
+            X4ClearTimer()
             ended = self._drive(self._way(1), freq_hz, self._selected.ramp_ms)
             if ended or self._console.escaped():
                 self._say("Ended by ESC.")
@@ -221,9 +223,7 @@ class Bench:
         self._say("To and fro; ESC ends it.")
         X4ClearTimer()
         while not (
-            self._drive(
-                self._way(sign), axis.freq_hz, axis.ramp_ms, only_esc_ends=True, clear=False
-            )
+            self._drive(self._way(sign), axis.freq_hz, axis.ramp_ms, only_esc_ends=True)
             or self._console.escaped()
         ):
             sign = -sign
@@ -241,6 +241,7 @@ class Bench:
                 if code in starts:
                     X4BrakeCodes((code + BREAK,))
                     _require(starts[code](self.axis, axis.freq_hz, axis.ramp_ms))
+                    X4ClearTimer()
                     if self._wait(only_esc_ends=True):
                         break
                     self._tell_steps()
@@ -256,7 +257,7 @@ class Bench:
             now = X4GetIn()
             if now != shown:
                 shown = now
-                levels = (f"pin {pin}: {now >> 4 - n & 1}" for n, pin in enumerate(_INPUTS))
+                levels = (f"pin {pin}: {now >> 4 - n & 1}" for n, pin in enumerate(INPUT_PINS))
                 self._say("  ".join(levels))
             if self._console.code() == ESC_CODE:
                 return
@@ -268,26 +269,16 @@ class Bench:
         return tuple(steps if axis == self.axis else 0 for axis in AXES)
 
     def _drive(
-        self,
-        way: tuple[int, ...],
-        freq_hz: int,
-        ramp_ms: int,
-        *,
-        only_esc_ends: bool = False,
-        clear: bool = True,
+        self, way: tuple[int, ...], freq_hz: int, ramp_ms: int, *, only_esc_ends: bool = False
     ) -> bool:
         """Load, start, wait; True: ESC was pressed."""
         one, two, three, four = way
         _require(X4Load(one, two, three, four, freq_hz, ramp_ms))
         _require(X4Start())
-        if clear:
-            X4ClearTimer()
-        return self._wait(only_esc_ends=only_esc_ends, clear=False)
+        return self._wait(only_esc_ends=only_esc_ends)
 
-    def _wait(self, *, only_esc_ends: bool, clear: bool = True) -> bool:
-        """Until all stand; True: ESC was pressed."""
-        if clear:
-            X4ClearTimer()
+    def _wait(self, *, only_esc_ends: bool) -> bool:
+        """Until all stand; True: ESC was pressed. The timer tells a script how long it takes."""
         while X4GetState():
             self._console.press_if_due(X4GetTimer(), only_esc_ends)
         return X4LastBrakeCode() == ESC_CODE

@@ -58,6 +58,8 @@ SIGNAL2OFF: Final = 4
 
 PORTS: Final = (LPT1, LPT2, LPT3, LPT4)
 AXES: Final = (1, 2, 3, 4)
+#: In the order of X4GetIn's bits, from 4 down.
+INPUT_PINS: Final = (11, 10, 12, 13, 15)
 SIGNALS: Final = (SIGNAL1ON, SIGNAL1OFF, SIGNAL2ON, SIGNAL2OFF)
 MOST_STEPS: Final = 16_777_216
 FREQ_HZ: Final = (10, 20_000)

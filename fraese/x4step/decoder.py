@@ -21,10 +21,16 @@ import codecs
 import re
 from typing import Final, Literal, NamedTuple
 
-from fraese.x4step.keyboard import KITTY_CODES, MAKE_CODES, SEQUENCES, SILENT_CODES, char_codes
+from fraese.x4step.keyboard import (
+    BREAK,
+    KITTY_CODES,
+    MAKE_CODES,
+    SEQUENCES,
+    SILENT_CODES,
+    char_codes,
+)
 
 ESC: Final = "\x1b"
-_BREAK: Final = 128
 #: What belongs to a sequence comes within this time, ns.
 _TOGETHER_NS: Final = 25_000_000
 #: A key that is held repeats after this time at the latest, ns,
@@ -216,7 +222,7 @@ class Holding:
     def release(self) -> list[int]:
         """It is up; its break code."""
         down, self.down = self.down, 0
-        return [down | _BREAK] if down else []
+        return [down | BREAK] if down else []
 
 
 class Held:
@@ -238,14 +244,14 @@ class Held:
             self.guess.release()
         if stroke.phase == "release":
             self._down.discard(code)
-            return [code | _BREAK]
+            return [code | BREAK]
         self._down.add(code)
         return [code]
 
     def all_up(self) -> list[int]:
         """Nobody will tell any more when they come up: break codes of all that are down."""
         down, self._down = sorted(self._down), set()
-        return [*(code | _BREAK for code in down), *self.guess.release()]
+        return [*(code | BREAK for code in down), *self.guess.release()]
 
     def forget(self) -> None:
         """What was told holds no longer; what was guessed does."""

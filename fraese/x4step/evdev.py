@@ -23,8 +23,8 @@ from typing import Final
 
 from fraese.x4step.codes import ESC_CODE
 from fraese.x4step.decoder import Key, Stroke
-from fraese.x4step.keyboard import EVDEV_CODES, MAKE_CODES
-from fraese.x4step.keys import BREAK, KeySource
+from fraese.x4step.keyboard import BREAK, EVDEV_CODES, MAKE_CODES
+from fraese.x4step.keys import KeySource
 from fraese.x4step.terminal import TerminalKeys
 
 FOLDER: Final = Path("/dev/input")

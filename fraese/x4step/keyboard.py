@@ -1,11 +1,14 @@
 """Keys and their make codes: places on the keyboard of a PC (set 1), as the manual prints them.
 
-A break code is the make code and 128. The grey keys of an MF2 keyboard have the codes of the
+The grey keys of an MF2 keyboard have the codes of the
 keypad, whose prefix is dropped; so have Enter, Ctrl, Alt and / twice.
 """
 
 from collections.abc import Mapping
 from typing import Final
+
+#: A break code is the make code and this.
+BREAK: Final = 128
 
 _ROWS: Final = (
     (2, "1 2 3 4 5 6 7 8 9 0 - = BACKSPACE"),

@@ -14,8 +14,6 @@ from typing import Final, Protocol, TextIO
 from fraese.x4step.decoder import Key, Stroke
 from fraese.x4step.keyboard import char_codes
 
-#: A break code is the make code and this.
-BREAK: Final = 128
 _US_CODES: Final = char_codes("us")
 
 

@@ -25,7 +25,7 @@ from fraese.config.x4step import LptConfig
 from fraese.errors import PortError
 from fraese.motor.awake import Awake
 from fraese.motor.cards.control import OutputPin
-from fraese.motor.cards.stepdir import STEPDIR_PROFILES, StepDirCard
+from fraese.motor.cards.stepdir import ACTIVE_PIN, BOOST_PIN, STEPDIR_PROFILES, StepDirCard
 from fraese.motor.clock import MonotonicClock
 from fraese.motor.core import MotorCore
 from fraese.motor.electronics import StepDirElectronics
@@ -52,8 +52,8 @@ LINE_NAMES: Final[Mapping[int, str]] = {
     **{2 * axis + 1: f"clock{axis}" for axis in AXES},
     1: "signal1",
     14: "signal2",
-    16: "boost",
-    17: "active",
+    BOOST_PIN: "boost",
+    ACTIVE_PIN: "active",
     **dict.fromkeys(STATUS_PINS, "input"),
 }
 #: Follows whatever it is told: what a real motor can follow is not this library's business.

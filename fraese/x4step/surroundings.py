@@ -25,7 +25,7 @@ from fraese.assembly import state_folder
 from fraese.assembly.drivers import CLOCKS, ClockName
 from fraese.config import Config
 from fraese.config.file import load
-from fraese.config.x4step import X4StepConfig
+from fraese.config.x4step import KeysName, X4StepConfig
 from fraese.errors import ConfigError
 from fraese.log import LogFile, write
 from fraese.motor.pins import STATUS_PINS
@@ -39,7 +39,6 @@ PINS_VARIABLE: Final = "FRAESE_X4STEP_PINS"
 KEYS_VARIABLE: Final = "FRAESE_X4STEP_KEYS"
 TRACE_VARIABLE: Final = "FRAESE_TRACE"
 
-KeysName = Literal["auto", "kitty", "plain", "evdev"]
 _LEVELS: Final = {"low": False, "high": True, "0": False, "1": True}
 
 
@@ -87,11 +86,9 @@ def wanted_keys(
     """
     said, where = (named, "--keys") if named else (environment.get(KEYS_VARIABLE), KEYS_VARIABLE)
     source, _, paths = (said or config.keys).partition(":")
-    for name in get_args(KeysName):
-        if source == name and (not paths or name == "evdev"):
-            known: KeysName = name
-            break
-    else:
+    names: tuple[KeysName, ...] = get_args(KeysName)
+    known = next((name for name in names if name == source), None)
+    if known is None or (paths and known != "evdev"):
         raise ConfigError(
             f'{where}: "{said}" is no source of keys; say auto, kitty, plain, evdev, or '
             "evdev:/dev/input/event3."
@@ -236,11 +233,11 @@ def clock_named(name: str) -> ClockName:
     Raises:
         ConfigError: if there is none of that name.
     """
-    for clock in get_args(ClockName):
-        if clock == name:
-            found: ClockName = clock
-            return found
-    raise ConfigError(f'{CLOCK_VARIABLE}: "{name}" is no clock; say paced or virtual.')
+    names: tuple[ClockName, ...] = get_args(ClockName)
+    found = next((clock for clock in names if clock == name), None)
+    if found is None:
+        raise ConfigError(f'{CLOCK_VARIABLE}: "{name}" is no clock; say paced or virtual.')
+    return found
 
 
 def pin_levels(text: str) -> dict[int, bool]:

@@ -24,22 +24,24 @@ from contextlib import contextmanager
 from typing import Final, Literal, NamedTuple
 
 from fraese.config import Config
+from fraese.motor.cards import stepdir
 from fraese.motor.clock import PacedClock, VirtualClock
 from fraese.motor.pins import CONTROL_PINS, DATA_PINS, levels
 from fraese.motor.ports.recorder import Access, Recorder
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import CONTROL, DATA, Clock
 from fraese.x4step import lpt as ports
+from fraese.x4step.codes import INPUT_PINS
 from fraese.x4step.decoder import Key
-from fraese.x4step.keyboard import char_codes
-from fraese.x4step.keys import BREAK, HandKeys, Keyboard
+from fraese.x4step.keyboard import BREAK, char_codes
+from fraese.x4step.keys import HandKeys, Keyboard
 from fraese.x4step.lpt import Opened
 from fraese.x4step.surroundings import Surroundings, in_place, made
 
-BOOST_PIN: Final = 16
-ACTIVE_PIN: Final = 17
+BOOST_PIN: Final = stepdir.BOOST_PIN
+ACTIVE_PIN: Final = stepdir.ACTIVE_PIN
 #: Input pins, and how ``X4GetIn`` counts them: its bit.
-INPUT_BITS: Final[Mapping[int, int]] = {11: 4, 10: 3, 12: 2, 13: 1, 15: 0}
+INPUT_BITS: Final[Mapping[int, int]] = {pin: bit for bit, pin in enumerate(reversed(INPUT_PINS))}
 
 _PINS_OF: Final = {DATA: DATA_PINS, CONTROL: CONTROL_PINS}
 _CODES: Final = char_codes("us")
