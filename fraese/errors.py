@@ -21,16 +21,27 @@ Foreign errors are wrapped at the seam where they arise, with ``raise ... from``
 Every alarm is of a kind, with a number: ``alarms.py``.
 """
 
-from typing import ClassVar
+import re
+from typing import ClassVar, Final
 
 from fraese import alarms
 from fraese.alarms import AlarmKind
 
+#: A name or number longer than this is shown by its beginning and its end.
+_LONG_WORD: Final = re.compile(r"(\S{60})\S{80,}(\S{40})")
+
 
 class FraeseError(Exception):
-    """Root of the family; never raised itself."""
+    """Root of the family; never raised itself.
+
+    Args:
+        sentence: for the user; a word in it that no screen holds is shortened.
+    """
 
     exit_code = 1
+
+    def __init__(self, sentence: str = "") -> None:
+        super().__init__(_LONG_WORD.sub(r"\1...\2", sentence))
 
 
 class UsageError(FraeseError):

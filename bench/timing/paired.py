@@ -29,8 +29,8 @@ from bench.timing.single import row
 from fraese.motor.realtime.cores import core_for_steps
 from fraese.motor.realtime.kernel import kernel_facts
 from fraese.motor.realtime.measure import hogs
-from fraese.motor.realtime.spawn import command, environment
 from fraese.motor.realtime.system import PRIORITY
+from fraese.spawn import command, environment
 
 _SLICES = 10
 _ROWS, _COLUMNS = 40, 120

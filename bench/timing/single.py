@@ -13,7 +13,7 @@ import numpy as np
 
 from bench.timing.figures import Row
 from fraese.motor.realtime.measure import measure, smc_duty, stepdir_duty
-from fraese.motor.realtime.spawn import command, environment
+from fraese.spawn import command, environment
 
 DUTIES = {"smc": smc_duty, "x4step": lambda: stepdir_duty("x4step")}
 _MODULE = "bench.timing.single"

@@ -13,6 +13,7 @@ from fraese.cli.session import note
 from fraese.cli.shared import ConfigOption, Drive, FreshOption, StateOption, TraceOption, leave
 from fraese.errors import UsageError
 from fraese.program import open_program
+from fraese.program.kept import KeptPrograms
 
 if TYPE_CHECKING:
     from fraese.ui.app import FraeseApp
@@ -64,18 +65,18 @@ def start(
             )
         on = Drive(config=config, state=state, fresh=fresh, trace=trace)
         plant = on.plant("paced")
-        return _run_app(plant, file)
+        return _run_app(plant, file, KeptPrograms(on.folder))
 
     leave(go)
 
 
-def _make_app(plant: Plant, program: Path | None) -> "FraeseApp":
+def _make_app(plant: Plant, program: Path | None, kept: KeptPrograms | None = None) -> "FraeseApp":
     # Textual takes a quarter of a second to import; headless commands do not pay for it.
     from fraese.ui.app import FraeseApp
 
     return FraeseApp(
         plant.controller,
-        open_program=partial(open_program, apart=True),
+        open_program=partial(open_program, apart=True, kept=kept),
         notes=plant.notes,
         before_motion=lambda: plant.save(moving=True),
         program=program,
@@ -84,9 +85,9 @@ def _make_app(plant: Plant, program: Path | None) -> "FraeseApp":
     )
 
 
-def _run_app(plant: Plant, program: Path | None) -> int:
+def _run_app(plant: Plant, program: Path | None, kept: KeptPrograms) -> int:
     try:
-        ui = _make_app(plant, program)
+        ui = _make_app(plant, program, kept)
         ui.run()
     finally:
         plant.close()

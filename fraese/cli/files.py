@@ -11,13 +11,13 @@ from fraese.assembly.misfits import described
 from fraese.cli.session import note
 from fraese.cli.shared import ConfigOption, FileArgument, StartingPlace, leave, with_options
 from fraese.config import file as configuration
-from fraese.errors import UsageError
+from fraese.errors import ProgramError, UsageError
 from fraese.gcode.jsonl import as_dict
 from fraese.machine import Machine, three_decimals
-from fraese.program import open_program
 from fraese.program.check import Facts, check_program
 from fraese.program.context import ProgramContext
 from fraese.program.source import ProgramSource
+from fraese.program.taken import take_program
 
 app = typer.Typer()
 config_app = typer.Typer(help="Look at the configuration.", no_args_is_help=True)
@@ -38,7 +38,7 @@ def check(
 
     def go() -> int:
         plant = on.plant(at_desk=True)
-        facts = check_program(file, ProgramContext.of(plant.controller))
+        facts = _looked_through(file, ProgramContext.of(plant.controller))
         plant.controller.close()
         if on.as_json:
             print(json.dumps(_facts_as_dict(facts, plant.controller.machine)))
@@ -47,6 +47,14 @@ def check(
         return 0 if facts.ok else UsageError.exit_code
 
     leave(go, on.as_json)
+
+
+def _looked_through(file: Path, context: ProgramContext) -> Facts:
+    """What is known of a file; that there is nothing to read is known, too."""
+    try:
+        return check_program(take_program(file), context)
+    except ProgramError as error:
+        return Facts.refused(error.message)
 
 
 def _facts_as_dict(facts: Facts, machine: Machine) -> dict[str, object]:
@@ -70,8 +78,7 @@ def _facts_as_dict(facts: Facts, machine: Machine) -> dict[str, object]:
 
 def _print_facts(file: Path, facts: Facts, machine: Machine) -> None:
     for error in facts.errors:
-        place = f"{file}, line {error.line}" if error.line else f"{file}"
-        note(f"{place}: {error.message}")
+        note(str(ProgramError(error.message, error.line, str(file))))
     for warning in facts.warnings:
         note(f"{file}, {warning}")
     if facts.low_mm is not None and facts.high_mm is not None:
@@ -91,7 +98,7 @@ def gcode(file: FileArgument, config: ConfigOption = None) -> None:
     """Print the canonical moves of a program, one JSON object a line; starts at zero."""
 
     def go() -> int:
-        open_program(file)
+        taken = take_program(file)
         settings = configuration.load(config)
         machine = Machine.from_config(settings)
         nowhere = (0,) * len(machine.axes)
@@ -99,7 +106,7 @@ def gcode(file: FileArgument, config: ConfigOption = None) -> None:
             settings, machine, nowhere, nowhere, (False,) * len(machine.axes), {}
         )
         out = sys.stdout
-        for canonical in ProgramSource(file, context).moves():
+        for canonical in ProgramSource(taken, context).moves():
             values = as_dict(canonical)
             if values is not None:
                 out.write(json.dumps(values) + "\n")

@@ -20,6 +20,7 @@ from fraese.control.controller import Controller
 from fraese.errors import Cancelled, UsageError
 from fraese.program import open_program
 from fraese.program.context import ProgramContext
+from fraese.program.kept import KeptPrograms
 
 FeedOption = Annotated[
     float | None,
@@ -46,7 +47,7 @@ def run(
     """Run a program: G-code, or a list of coordinates."""
 
     def action(controller: Controller) -> None:
-        program = open_program(file)
+        program = open_program(file, kept=KeptPrograms(on.folder))
         facts = None if stream else program.check(controller, plan=sys.stderr.isatty())
         if from_line > 1:
             _announce(program.way_from(controller, from_line), yes)

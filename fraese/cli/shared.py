@@ -87,12 +87,17 @@ class Place:
     real_time = False
     trace = cast(Path | None, None)
 
+    @property
+    def folder(self) -> Path:
+        """Where the state is kept."""
+        return self.state or state_folder()
+
     def plant(self, clock: ClockName | None = None, *, at_desk: bool = False) -> Plant:
         """The machine that they name; at a desk nothing is to move, and metal is left alone."""
         return assemble(
             configuration.load(self.config),
             clock=clock or ("paced" if self.real_time else "virtual"),
-            state=self.state or state_folder(),
+            state=self.folder,
             fresh=self.fresh,
             at_desk=at_desk,
             trace=self.trace,

@@ -59,11 +59,27 @@ def find_file(named: Path | None = None) -> Path | None:
         ConfigError: if a file was named and is not there.
     """
     if named is not None:
-        if not named.is_file():
+        if not _is_file(named):
             raise ConfigError(f"{named}: there is no such configuration file.")
         return named
     user = Path(platformdirs.user_config_dir("fraese")) / FILE_NAME
-    return next((path for path in (Path(FILE_NAME), user) if path.is_file()), None)
+    return next((path for path in (Path(FILE_NAME), user) if _is_file(path)), None)
+
+
+def _is_file(path: Path) -> bool:
+    """Whether there is one; what only looks like one never means that there is none.
+
+    Raises:
+        ConfigError: if that cannot be seen (a name too long, a folder that cannot be read), or
+            if something else stands there: a folder, a pipe, a link to nowhere.
+    """
+    try:
+        found = path.is_file()
+        if found or not os.path.lexists(path):
+            return found
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}.") from error
+    raise ConfigError(f"{path}: is no plain file; a configuration is read from one.")
 
 
 def load(named: Path | None = None) -> Config:
@@ -85,6 +101,11 @@ def _read(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{path}: is not a text file in UTF-8.") from error
     except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{path}: is not valid TOML: {error}.") from error
+    except (RecursionError, ValueError) as error:
+        # Of these the reader says no more: brackets in brackets, a number of thousands of digits.
+        raise ConfigError(
+            f"{path}: is no configuration: brackets are nested too deep, or a number is too long."
+        ) from error
 
 
 def from_table(raw: dict[str, Any], place: str) -> Config:

@@ -133,13 +133,14 @@ class Controller:
         lines: int = 0,
         expected_s: float = 0.0,
         detour: Detour | None = None,
+        content_hash: str = "",
     ) -> None:
         """Take up a job; ``run`` works it off. See ``RunLoop.start``.
 
         Raises:
             StateError: if another one runs, or an error has not been acknowledged.
         """
-        self._loop.start(name, job, lines, expected_s, detour)
+        self._loop.start(name, job, lines, expected_s, detour, content_hash)
 
     def run(self) -> Status:
         """Work off what was started, to motors at rest; how it ended."""

@@ -165,6 +165,7 @@ class RunLoop:
         lines: int = 0,
         expected_s: float = 0.0,
         detour: Detour | None = None,
+        content_hash: str = "",
     ) -> None:
         """Take up a job; ``run`` works it off.
 
@@ -174,6 +175,7 @@ class RunLoop:
             lines: how many lines it has, for the progress.
             expected_s: planned duration, likewise.
             detour: where to go while it is held; None: stay.
+            content_hash: which program it is, for the progress.
 
         Raises:
             StateError: if another one runs, or an error has not been acknowledged.
@@ -182,7 +184,9 @@ class RunLoop:
         self.message = ""
         self.error = None
         self._idle_at_ns = None
-        self._progress = JobProgress(name, lines=lines, expected_s=expected_s)
+        self._progress = JobProgress(
+            name, lines=lines, expected_s=expected_s, content_hash=content_hash
+        )
         self._job_from_ns = self._clock.now_ns()
         self._late_before = self._queue.report.late_ticks
         self._dry_before = self._queue.report.dry_queues

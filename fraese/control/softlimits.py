@@ -9,12 +9,16 @@ Rule 3: nobody knows where an unreferenced axis is: no single move is longer tha
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import Final
 
 from fraese.blocks import OVERRIDES
 from fraese.control.position import Position
 from fraese.errors import LimitError
 from fraese.machine import Axis, Machine, Steps, three_decimals
 from fraese.workframe import WorkFrame
+
+#: Below this nothing gets anywhere: a millimetre would take more than a day.
+_SLOWEST_MM_MIN: Final = 0.0005
 
 
 def require_reachable(position: Position, targets: Iterable[Steps]) -> None:
@@ -178,13 +182,19 @@ def require_finite(axis: Axis, value_mm: float) -> None:
 
 
 def require_feed(feed_mm_min: float | None) -> None:
-    """See that a feed moves something.
+    """See that a feed moves something, in a time that is one.
 
     Raises:
         LimitError: if it does not.
     """
-    if feed_mm_min is not None and not feed_mm_min > 0:
+    if feed_mm_min is None:
+        return
+    if not feed_mm_min > 0:
         raise LimitError(f"A feed is above 0 mm/min, not {feed_mm_min:g}.")
+    if not _SLOWEST_MM_MIN <= feed_mm_min < math.inf:
+        raise LimitError(
+            f"A feed is a number of mm/min from {_SLOWEST_MM_MIN:g} on, not {feed_mm_min:g}."
+        )
 
 
 def require_override(factor: float) -> None:

@@ -61,7 +61,7 @@ class Interpreter:
         # where the last move inside a loop or subroutine went
         self._last_to: Point | None = None
         self._reader = BlockReader(parameters, axes)
-        self._flow = Flow(Source((), setup.file), parameters, setup.folders, 0)
+        self._flow = Flow(Source((), setup.file), parameters, setup)
         self._handlers: dict[str, Handler] = dict.fromkeys(ORDER, self._set)
         self._handlers.update(self._outputs.handlers())
         self._handlers.update(f=self._feed, state=self._state, nonmodal=self._nonmodal)
@@ -77,7 +77,7 @@ class Interpreter:
             ProgramError: a line is refused.
         """
         source = Source(lines, self.setup.file)
-        self._flow = Flow(source, self.parameters, self.setup.folders, self.setup.max_idle_lines)
+        self._flow = Flow(source, self.parameters, self.setup)
         try:
             yield from self._lines()
         except ProgramError as error:

@@ -10,13 +10,13 @@ defined, and, where a subroutine is called before it is defined, the lines in be
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 from fraese.errors import ProgramError
 from fraese.gcode.expressions import Reader, whole
 from fraese.gcode.labels import LabelReader, OWord
 from fraese.gcode.parameters import ARGUMENTS, Parameters, Scope
+from fraese.gcode.setup import Setup
 from fraese.gcode.source import Source
 from fraese.gcode.subroutines import PROGRAM_NUMBER, Library, Sub
 
@@ -60,9 +60,7 @@ class Frame:
 class Flow:
     """The way through a program: which line comes next."""
 
-    def __init__(
-        self, source: Source, parameters: Parameters, folders: tuple[Path, ...], max_idle_lines: int
-    ) -> None:
+    def __init__(self, source: Source, parameters: Parameters, setup: Setup) -> None:
         self.source = source
         self.frame = Frame(source)
         # lines since the last motion, counted where a loop or subroutine is running
@@ -74,8 +72,8 @@ class Flow:
         self._callers: list[Frame] = []
         self._parameters = parameters
         self._labels = LabelReader(parameters)
-        self._library = Library(source, folders, self._labels.label)
-        self._max_idle_lines = max_idle_lines
+        self._library = Library(source, setup, self._labels.label)
+        self._max_idle_lines = setup.max_idle_lines
 
     @property
     def call_level(self) -> int:

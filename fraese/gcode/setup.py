@@ -1,10 +1,23 @@
 """What a program finds when it starts."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from fraese.gcode.text import lines_of, open_plain
 from fraese.workframe import Point
+
+FileLines = Callable[[Path], Iterator[str] | None]
+
+
+def lines_on_disk(path: Path) -> Iterator[str] | None:
+    """The lines of a file as it is now; None: there is none.
+
+    Raises:
+        ProgramError: it cannot be read.
+    """
+    stream = open_plain(path)
+    return None if stream is None else lines_of(stream, str(path))
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +53,7 @@ class Setup:
         block_delete: whether lines that start with ``/`` are left out.
         file: name of the program for messages.
         folders: where ``o<name> call`` looks for ``name.ngc``.
+        file_lines: the lines of such a file; None: there is none.
         max_idle_lines: how many lines a loop or subroutine may do without any motion before
             the program counts as one that never ends.
     """
@@ -54,4 +68,5 @@ class Setup:
     block_delete: bool = False
     file: str = ""
     folders: tuple[Path, ...] = ()
+    file_lines: FileLines = lines_on_disk
     max_idle_lines: int = 300_000

@@ -3,12 +3,11 @@
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 from fraese.errors import ProgramError
+from fraese.gcode.setup import Setup
 from fraese.gcode.source import Source
-from fraese.gcode.text import read_lines
 from fraese.gcode.words import plain
 
 # A subroutine's body is held in memory; this is far beyond any that a person wrote.
@@ -42,10 +41,11 @@ Body = Callable[[str, Source], Sub]
 class Library:
     """All subroutines that are known so far."""
 
-    def __init__(self, program: Source, folders: tuple[Path, ...], label: Label) -> None:
+    def __init__(self, program: Source, setup: Setup, label: Label) -> None:
         self._program = program
         self._label = label
-        self._folders = folders
+        self._folders = setup.folders
+        self._file_lines = setup.file_lines
         self._subs: dict[str, Sub] = {}
         self._numbered: dict[str, Sub] = {}
         # What was seen when looking ahead: lines by name and keyword, and the last line of all.
@@ -100,15 +100,15 @@ class Library:
             return False
         for folder in self._folders:
             path = folder / f"{name}.ngc"
-            if path.is_file():
-                self._take_all(path)
+            lines = self._file_lines(path)
+            if lines is not None:
+                self._take_all(Source(lines, path.name))
                 if name not in self._subs:
                     raise ProgramError(f"{path.name} holds no o<{name}> sub", file=str(path))
                 return True
         return False
 
-    def _take_all(self, path: Path) -> None:
-        source = Source(read_lines(path), path.name)
+    def _take_all(self, source: Source) -> None:
         for text in _lines(source):
             label = self._label(text)
             if label is not None and label[1] == "sub":

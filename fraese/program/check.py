@@ -7,12 +7,8 @@ Rule 3: memory does not grow with the length of the file.
 """
 
 import math
-import pickle
-import subprocess
-import sys
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Final
 
 from fraese.blocks import Block
@@ -25,6 +21,7 @@ from fraese.motor.seams import Report
 from fraese.planner.lines import planned_s
 from fraese.program.context import ProgramContext
 from fraese.program.source import ProgramSource
+from fraese.program.taken import Taken
 from fraese.program.translate import Moves, Translation
 from fraese.workframe import Point
 
@@ -63,6 +60,11 @@ class Facts:
     length_mm: float
     lines: int
     blocks: int
+
+    @classmethod
+    def refused(cls, message: str) -> "Facts":
+        """Of a program of which no line can be told."""
+        return cls((Complaint(0, message),), (), None, None, 0.0, 0.0, 0, 0)
 
     @property
     def ok(self) -> bool:
@@ -157,15 +159,15 @@ class Survey:
             self.outside.append(Complaint(line, said))
 
 
-def check_program(path: Path, context: ProgramContext, *, plan: bool = True) -> Facts:
+def check_program(taken: Taken, context: ProgramContext, *, plan: bool = True) -> Facts:
     """Look a program through.
 
     Args:
-        path: the file.
+        taken: its files.
         context: the machine as the program finds it.
         plan: plan the motion too; else duration and blocks stay 0.
     """
-    source = ProgramSource(path, context)
+    source = ProgramSource(taken, context)
     survey = Survey(context, source)
     errors: list[Complaint] = []
     duration_s, blocks = 0.0, 0
@@ -191,32 +193,6 @@ def check_program(path: Path, context: ProgramContext, *, plan: bool = True) -> 
         lines=source.lines_read,
         blocks=blocks,
     )
-
-
-def check_apart(path: Path, context: ProgramContext, *, plan: bool = True) -> Facts:
-    """The same in a process of its own, so that this one's threads are not disturbed.
-
-    A plain subprocess: under an app, which has taken the terminal's streams, a pool cannot start.
-
-    Raises:
-        ProgramError: if the process died.
-    """
-    done = subprocess.run(
-        [sys.executable, "-c", f"from {__name__} import answer; answer()"],
-        input=pickle.dumps((path, context, plan)),
-        capture_output=True,
-        check=False,
-    )
-    if done.returncode:
-        raise ProgramError("looking it through ended unexpectedly; try again", file=str(path))
-    facts: Facts = pickle.loads(done.stdout)
-    return facts
-
-
-def answer() -> None:
-    """The other side of ``check_apart``: a question on standard input, facts on its output."""
-    path, context, plan = pickle.load(sys.stdin.buffer)
-    pickle.dump(check_program(path, context, plan=plan), sys.stdout.buffer)
 
 
 def _planned(translation: Translation, moves: Moves) -> Iterator[Block]:

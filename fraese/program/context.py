@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple
 
 from fraese.config import Config
@@ -10,6 +9,7 @@ from fraese.control.controller import Controller
 from fraese.gcode.setup import Setup, ToolData
 from fraese.machine import Machine, Millimetres, Steps
 from fraese.planner.planner import Options
+from fraese.program.taken import Taken
 from fraese.workframe import TOOL_NUMBER
 
 
@@ -72,7 +72,7 @@ class ProgramContext:
         """Planner options as configured."""
         return Options.from_config(self.config.planner, self.rate_factor)
 
-    def setup(self, path: Path) -> Setup:
+    def setup(self, taken: Taken) -> Setup:
         """What the interpreter is told."""
         axes = self.machine.axes
         tools = {
@@ -87,8 +87,9 @@ class ProgramContext:
             tools=tools or None,
             tool=int(self.parameters.get(TOOL_NUMBER, 0.0)),
             block_delete=self.config.run.block_delete,
-            file=str(path),
-            folders=(path.parent,),
+            file=taken.main.file,
+            folders=(taken.path.parent,),
+            file_lines=taken.lines,
         )
 
     @property

@@ -1,7 +1,9 @@
 """Program files: look through, run, run from a line, drive round the frame."""
 
 from collections.abc import Sequence
+from contextlib import closing
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 from typing import Final
 
@@ -11,14 +13,16 @@ from fraese.control.retract import Retract
 from fraese.control.state import WorkFacts
 from fraese.errors import LimitError, ProgramError, StateError
 from fraese.gcode import canon
-from fraese.gcode.text import read_lines
 from fraese.log import logged
 from fraese.machine import Millimetres
-from fraese.program.check import Facts, Survey, check_apart, check_program
+from fraese.program.check import Facts, Survey, check_program
 from fraese.program.context import ProgramContext
+from fraese.program.kept import KeptPrograms
+from fraese.program.looker import Looker
 from fraese.program.offsethistory import OffsetHistory
 from fraese.program.runfromline import Place, in_words, skip_to
-from fraese.program.source import ProgramSource, require_readable
+from fraese.program.source import ProgramSource
+from fraese.program.taken import Taken, take_program
 from fraese.program.translate import Translation
 
 #: Corners of a frame, low or high, for so many axes.
@@ -29,23 +33,38 @@ _ROUND: Final[dict[int, tuple[tuple[int, ...], ...]]] = {
 }
 #: Lines shown to people; behind that the text is cut.
 _MOST_SHOWN_LINES = 200_000
-#: Smaller files are looked through sooner than a process starts.
-_LARGE_BYTES = 200_000
+#: Behind what became of a file.
+_AS_OPENED: Final = " What runs is what it held when it was opened."
 
 
 class Program:
-    """A program file.
+    """A program that has been opened.
 
     Args:
-        path: that there is something to read has been seen.
-        apart: look a large file through in a process of its own, so that an app stays awake.
+        taken: its files, as they were then.
+        apart: look it through in a process of its own, so that an app stays awake.
+        kept: where a copy of what is run is kept; None: none is.
+
+    Attributes:
+        path: where it was.
+        name: for people.
     """
 
-    def __init__(self, path: Path, *, apart: bool = False) -> None:
-        self.path = path
-        self.name = path.name
-        self._apart = apart
-        self._facts: Facts | None = None
+    def __init__(
+        self, taken: Taken, *, apart: bool = False, kept: KeptPrograms | None = None
+    ) -> None:
+        self.path = taken.path
+        self.name = taken.path.name
+        self.taken = taken
+        self._kept = kept
+        self._looker = Looker(taken) if apart else None
+        # What was found, and how the machine stood then.
+        self._looked: tuple[ProgramContext, Facts] | None = None
+
+    @property
+    def content_hash(self) -> str:
+        """SHA-256 of what the file held, in hexadecimal."""
+        return self.taken.main.content_hash
 
     @cached_property
     def lines(self) -> Sequence[str]:
@@ -54,14 +73,42 @@ class Program:
         Raises:
             ProgramError: if it is not text.
         """
-        lines = []
-        for line in read_lines(self.path):
-            lines.append(line)
-            if len(lines) == _MOST_SHOWN_LINES:
-                break
-        return lines
+        with closing(self.taken.main.lines()) as lines:
+            return list(islice(lines, _MOST_SHOWN_LINES))
+
+    def news(self) -> str:
+        """What became of the file since it was opened, a sentence; empty: nothing."""
+        return self.taken.news()
+
+    def question(self, controller: Controller) -> ProgramContext | None:
+        """What ``look`` has to be asked; None: it was looked through as the machine stands now."""
+        context = ProgramContext.of(controller)
+        if self._looker is not None:
+            self._looker.begin()
+        is_known = self._looked is not None and self._looked[0] == context
+        return None if is_known else context
 
     @logged
+    def look(self, context: ProgramContext, *, plan: bool = True) -> Facts:
+        """Look it through as this machine would run it; from any thread.
+
+        Raises:
+            ProgramError: if a line is refused.
+            LimitError: if it leaves the travel.
+            Cancelled: if it was given up.
+        """
+        self._looked = None
+        if self._looker is None:
+            facts = check_program(self.taken, context, plan=plan)
+        else:
+            facts = self._looker.look(context, plan=plan)
+        for refused in facts.errors:
+            raise ProgramError(refused.message, refused.line, str(self.path))
+        for outside in facts.outside:
+            raise LimitError(f"{self.path}, line {outside.line}: {outside.message}")
+        self._looked = context, facts
+        return facts
+
     def check(self, controller: Controller, *, plan: bool = True) -> Facts:
         """Look it through as this machine would run it now.
 
@@ -69,15 +116,17 @@ class Program:
             ProgramError: if a line is refused.
             LimitError: if it leaves the travel.
         """
-        large = self.path.stat().st_size > _LARGE_BYTES
-        look = check_apart if self._apart and large else check_program
-        facts = look(self.path, ProgramContext.of(controller), plan=plan)
-        for refused in facts.errors:
-            raise ProgramError(refused.message, refused.line, str(self.path))
-        for outside in facts.outside:
-            raise LimitError(f"{self.path}, line {outside.line}: {outside.message}")
-        self._facts = facts
-        return facts
+        return self.look(self.question(controller) or ProgramContext.of(controller), plan=plan)
+
+    def give_up(self) -> None:
+        """End a look-through in a process of its own, at once; from any thread."""
+        if self._looker is not None:
+            self._looker.give_up()
+
+    def close(self) -> None:
+        """Nobody will look it through any more."""
+        if self._looker is not None:
+            self._looker.close()
 
     @logged
     def start(
@@ -93,16 +142,19 @@ class Program:
         Raises:
             StateError: if the machine is not ready, or may not run unreferenced.
         """
-        facts = facts or self._facts
+        if facts is None and self._looked is not None:
+            facts = self._looked[1]
         context = ProgramContext.of(controller)
         _require_reference(context)
         controller.check_moves([])
-        source = ProgramSource(self.path, context)
+        source = ProgramSource(self.taken, context)
         translation = Translation(context, controller)
         moves = source.moves()
         if from_line > 1:
             moves = skip_to(moves, Place(from_line), context, source, translation.numbers)
         history = OffsetHistory(controller, source, translation)
+
+        news = self.news()
 
         def job() -> Job:
             controller.position.offsets.follow(history.in_force)
@@ -113,7 +165,9 @@ class Program:
                 history.close()
             finally:
                 controller.position.offsets.replace(history.in_force()[0])
+            self._own_up(controller, news)
 
+        unkept = self._keep()
         controller.start(
             self.name,
             job(),
@@ -122,7 +176,25 @@ class Program:
             detour=Retract(controller.position, retract_mm)
             if (retract_mm := context.retract_mm())
             else None,
+            content_hash=self.content_hash,
         )
+        if news or unkept:
+            controller.say(" ".join(text for text in (news and news + _AS_OPENED, unkept) if text))
+
+    def _keep(self) -> str:
+        """Keep a copy for later; why not, a sentence."""
+        try:
+            if self._kept is not None:
+                self._kept.keep(self.taken)
+        except ProgramError as error:
+            return str(error)
+        return ""
+
+    def _own_up(self, controller: Controller, told: str) -> None:
+        """The file became another one while the program ran."""
+        news = self.news()
+        if news and news != told:
+            controller.say(news + _AS_OPENED)
 
     def drive_frame(self, controller: Controller) -> None:
         """Drive round the bounding box at the safe height; the controller's ``run`` does it.
@@ -149,7 +221,7 @@ class Program:
             ProgramError: if there is nothing to run there, or a line before it is refused.
         """
         context = ProgramContext.of(controller)
-        source = ProgramSource(self.path, context)
+        source = ProgramSource(self.taken, context)
         said = [f"{self.name} from line {from_line}:"]
         here = context.start_mm
         for move in skip_to(source.moves(), Place(from_line), context, source):
@@ -201,15 +273,20 @@ def _require_reference(context: ProgramContext) -> None:
         )
 
 
-def open_program(path: Path, *, apart: bool = False) -> Program:
+def open_program(
+    path: Path,
+    *,
+    apart: bool = False,
+    kept: KeptPrograms | None = None,
+) -> Program:
     """A program that can be read.
 
     Args:
         path: the file.
         apart: see ``Program``.
+        kept: likewise.
 
     Raises:
         ProgramError: if there is nothing to read.
     """
-    require_readable(path)
-    return Program(path, apart=apart)
+    return Program(take_program(path), apart=apart, kept=kept)

@@ -2,40 +2,22 @@
 
 from collections.abc import Iterator
 from contextlib import closing
-from pathlib import Path
 
-from fraese.errors import ProgramError
 from fraese.gcode.axes import Axes
 from fraese.gcode.coordlist import read_points
 from fraese.gcode.interpreter import Interpreter
 from fraese.gcode.modal import Modal
-from fraese.gcode.reader import kind_of
-from fraese.gcode.text import read_lines
 from fraese.program.context import ProgramContext
+from fraese.program.taken import Taken
 from fraese.program.translate import Moves
 from fraese.workframe import WorkFrame
 
 
-def require_readable(path: Path) -> None:
-    """See that there is a file.
-
-    Raises:
-        ProgramError: naming it, if there is nothing to read.
-    """
-    if not path.is_file():
-        raise ProgramError("there is no such file.", file=str(path))
-    try:
-        with path.open("rb"):
-            pass
-    except OSError as error:
-        raise ProgramError(f"cannot be read: {error.strerror}.", file=str(path)) from error
-
-
 class ProgramSource:
-    """One reading of one file.
+    """One reading of one program.
 
     Args:
-        path: G-code, or a list of coordinates.
+        taken: G-code, or a list of coordinates.
         context: the machine as the program finds it.
 
     Attributes:
@@ -45,10 +27,10 @@ class ProgramSource:
         default_feed_mm_min: for straight moves that have none.
     """
 
-    def __init__(self, path: Path, context: ProgramContext) -> None:
-        self._path = path
+    def __init__(self, taken: Taken, context: ProgramContext) -> None:
+        self._taken = taken
         self._context = context
-        self._setup = context.setup(path)
+        self._setup = context.setup(taken)
         self._interpreter = Interpreter(self._setup)
         self.lines_read = 0
         self.axes = Axes(self._setup.axes, self._setup.rotary)
@@ -59,12 +41,11 @@ class ProgramSource:
         """The canonical moves; barriers want an answer.
 
         Raises:
-            ProgramError: the file cannot be read, or a line is refused.
+            ProgramError: a file cannot be read, or a line is refused.
         """
-        require_readable(self._path)
-        with closing(read_lines(self._path, self._setup.file)) as file_lines:
+        with closing(self._taken.main.lines()) as file_lines:
             lines = self._counted(file_lines)
-            if kind_of(self._path) == "gcode":
+            if self._taken.kind == "gcode":
                 yield from self._interpreter.run(lines)
             else:
                 unit = self._context.config.run.list_unit

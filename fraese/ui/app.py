@@ -100,8 +100,8 @@ class FraeseApp(App[None]):
         self._draw_planned = False
         self._answer_is_new = False
         bind(self, self._keys.of(Area.EVERYWHERE))
-        programs = ProgramDesk(open_program, program)
-        desk = Desk(self.link, self._keys, self._repeats, programs, machine_name, hand)
+        self._programs = ProgramDesk(open_program, program)
+        desk = Desk(self.link, self._keys, self._repeats, self._programs, machine_name, hand)
         self._views = {name: view(desk) for name, view in views.items()}
         for name in views:
             self.add_mode(name, partial(self._views.__getitem__, name))
@@ -124,6 +124,7 @@ class FraeseApp(App[None]):
 
     def on_unmount(self) -> None:
         """Motors off."""
+        self._programs.close()
         self.link.close()
 
     async def run_async(self, **options: Any) -> None:
@@ -139,6 +140,7 @@ class FraeseApp(App[None]):
             await super().run_async(**options)
         finally:
             self.link.close()
+            self._programs.close()
 
     def _see_terminal(self) -> None:
         """A terminal that went away without a signal: nobody can press the stop key any more."""
@@ -203,16 +205,19 @@ class FraeseApp(App[None]):
         return run
 
     def action_stop_machine(self) -> None:
-        """Brake; the second time while it moves, stop. At standstill the key is free."""
+        """Brake; the second time while it moves, stop; end a look-through. Else the key is free."""
         if self._heard is None:
             moving = self.link.brake_or_stop()
         else:
             # Also what was pressed before it and has begun only now.
             moving = self._heard.moving or self.link.moving
             self.link.brake()
-        if not moving:
+        if self._programs.give_up():
+            self.view.say("Given up: the program is not looked through, and nothing was started.")
+        elif not moving:
             raise SkipAction
-        self.view.draw(self._state, True)
+        if moving:
+            self.view.draw(self._state, True)
 
     async def action_quit(self) -> None:
         """Brake and leave."""

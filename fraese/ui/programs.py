@@ -1,8 +1,9 @@
 """What the app expects of a program; the reader of files is handed in by the composition root."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from fraese.control.controller import Controller
 from fraese.errors import FraeseError, ProgramError
@@ -47,12 +48,27 @@ class Program(Protocol):
     def lines(self) -> Sequence[str]:
         """Its text."""
 
-    def check(self, controller: Controller) -> Facts:
-        """See whether it can run from here; in the machine's thread.
+    def news(self) -> str:
+        """What became of its file since it was read, a sentence; empty: nothing."""
+
+    def question(self, controller: Controller) -> Any:
+        """What ``look`` has to be asked; in the machine's thread.
+
+        None: it was looked through as the machine stands now, and can run.
+        """
+
+    def look(self, question: Any) -> Facts:
+        """See whether it can run; may take for ever, in a thread of its own.
 
         Raises:
-            FraeseError: if it cannot.
+            FraeseError: if it cannot, or was given up.
         """
+
+    def give_up(self) -> None:
+        """End a ``look``, at once; from any thread."""
+
+    def close(self) -> None:
+        """It is not needed any more."""
 
     def start(self, controller: Controller) -> None:
         """Hand it to the controller; in the machine's thread.
@@ -71,8 +87,21 @@ def in_words(facts: Facts) -> str:
     return f"{facts.blocks} blocks, {facts.length_mm:.1f} mm, {minutes}:{seconds:02d} min"
 
 
+class Look:
+    """A file that is being read, or a program that is being looked through.
+
+    Attributes:
+        given_up: whatever comes out of it counts no more.
+        busy: it has begun.
+    """
+
+    def __init__(self) -> None:
+        self.given_up = False
+        self.busy = False
+
+
 class ProgramDesk:
-    """The program that is loaded, for every view.
+    """The program that is loaded, for every view; all in the app's thread but ``read``.
 
     Args:
         open_program: reads a file; may take long.
@@ -81,18 +110,51 @@ class ProgramDesk:
     Attributes:
         path: of what was opened last.
         program: what is loaded.
+        look: what goes on just now beside everything else.
     """
 
     def __init__(self, open_program: OpenProgram, path: Path | None = None) -> None:
         self._open_program = open_program
         self.path = path
         self.program: Program | None = None
+        self.look: Look | None = None
 
     @property
     def folder(self) -> Path:
         """Where programs are looked for."""
-        here = self.path is not None and self.path.parent.is_dir()
-        return self.path.parent if self.path is not None and here else Path.cwd()
+        with suppress(OSError):
+            if self.path is not None and self.path.parent.is_dir():
+                return self.path.parent
+            return Path.cwd()
+        return Path.home()
+
+    def begin(self) -> Look:
+        """Something is read or looked through from now on; what was before is given up."""
+        self.give_up()
+        self.look = Look()
+        return self.look
+
+    def ended(self, look: Look) -> bool:
+        """It is done, or failed; whether it still counts."""
+        if self.look is look:
+            self.look = None
+        return not look.given_up
+
+    def give_up(self) -> bool:
+        """End what is being read or looked through; False: nothing was."""
+        look, self.look = self.look, None
+        if look is None:
+            return False
+        look.given_up = True
+        if self.program is not None:
+            self.program.give_up()
+        return True
+
+    def close(self) -> None:
+        """Nothing goes on any more."""
+        self.give_up()
+        if self.program is not None:
+            self.program.close()
 
     def read(self, path: Path) -> Program:
         """Read a file; from any thread.
@@ -101,7 +163,10 @@ class ProgramDesk:
             FraeseError: if it cannot be read, or the reader fails.
         """
         try:
-            return self._open_program(path)
+            program = self._open_program(path)
+            # Read here, where nobody waits.
+            _ = program.lines
+            return program
         except FraeseError:
             raise
         except Exception as error:  # a reader's mistake must not end the control of a machine
@@ -110,4 +175,6 @@ class ProgramDesk:
 
     def put(self, path: Path, program: Program) -> None:
         """This one is loaded now."""
+        if self.program is not None:
+            self.program.close()
         self.path, self.program = path, program

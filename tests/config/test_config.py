@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import os
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -169,6 +170,8 @@ def test_one_key_of_an_axis_leaves_the_others_at_their_defaults(tmp_path: Path) 
         ('[card]\ntable = "x\\ny"', "card.table: "),
         ("[axes.x", "is not valid TOML"),
         ("[axes.x]\npitch_mm = 2\npitch_mm = 3", "is not valid TOML"),
+        ("x = " + "[" * 200_000, "brackets are nested too deep"),
+        ("x = " + "9" * 5000, "a number is too long"),
     ],
     ids=lambda text: text[:40],
 )
@@ -218,7 +221,7 @@ def test_true_is_taken_by_no_key_but_a_switch() -> None:
 def test_files_that_are_none(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="there is no such configuration file"):
         load(tmp_path / "nothing.toml")
-    with pytest.raises(ConfigError, match="there is no such configuration file"):
+    with pytest.raises(ConfigError, match="is no plain file"):
         load(tmp_path)
     path = tmp_path / "latin.toml"
     path.write_bytes("# größer\n".encode("latin-1"))
@@ -298,3 +301,24 @@ def test_no_text_whatever_is_a_surprise(text: str) -> None:
 def test_what_a_type_has_to_spell_out_is_what_the_table_says() -> None:
     assert "".join(get_args(AxisName)) == LETTERS
     assert set(get_args(StatusPin)) == set(STATUS_PINS)
+
+
+def test_what_stands_where_a_configuration_would_is_never_taken_for_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else the built-in simulation would run, and nobody were told."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "none"))
+    place = tmp_path / "fraese.toml"
+    assert load() == Config()
+    place.mkdir()
+    with pytest.raises(ConfigError, match="is no plain file"):
+        load()
+    place.rmdir()
+    os.mkfifo(place)
+    with pytest.raises(ConfigError, match="is no plain file"):
+        load()
+    place.unlink()
+    place.symlink_to("fraese.toml")
+    with pytest.raises(ConfigError, match=r"Too many levels|is no plain file"):
+        load()

@@ -52,5 +52,5 @@ def test_an_endless_line_is_refused_early(tmp_path: Path) -> None:
 
 
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ProgramError, match=r"nothing\.ngc: cannot be read"):
+    with pytest.raises(ProgramError, match=r"nothing\.ngc: there is no such file"):
         list(read_lines(tmp_path / "nothing.ngc"))

@@ -52,9 +52,23 @@ class FakeProgram:
     name: str = "fake.nc"
     facts: FakeFacts = field(default_factory=FakeFacts)
     started: int = 0
+    looked: int = 0
 
-    def check(self, controller: Controller) -> FakeFacts:
+    def news(self) -> str:
+        return ""
+
+    def question(self, controller: Controller) -> object | None:
+        return None if self.looked else "how does it stand?"
+
+    def look(self, question: object) -> FakeFacts:
+        self.looked += 1
         return self.facts
+
+    def give_up(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
 
     def start(self, controller: Controller) -> None:
         self.started += 1

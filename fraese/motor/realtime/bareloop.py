@@ -13,8 +13,8 @@ from typing import Final
 from fraese.motor.cards.smc1500 import SmcCard
 from fraese.motor.ports.null import NullPort
 from fraese.motor.realtime.setup import RealtimeOptions, Setup
-from fraese.motor.realtime.spawn import command, environment
 from fraese.motor.realtime.system import prepare
+from fraese.spawn import command, environment
 
 _MODULE: Final = "fraese.motor.realtime.bareloop"
 #: Two looks at the time are hardly a microsecond apart, ns: more is an interruption.

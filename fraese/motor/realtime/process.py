@@ -31,7 +31,7 @@ from fraese.motor.realtime.hostline import message
 from fraese.motor.realtime.memory import DOZING, STAGE, Memory
 from fraese.motor.realtime.rescue import switch_off
 from fraese.motor.realtime.setup import Setup
-from fraese.motor.realtime.spawn import command, environment
+from fraese.spawn import command, environment
 
 _MODULE: Final = "fraese.motor.realtime.child"
 #: Python has to start and to import, on a busy machine.

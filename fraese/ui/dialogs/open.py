@@ -1,6 +1,7 @@
 """Which program to open."""
 
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from textual import on
@@ -56,4 +57,7 @@ class OpenDialog(Dialog[Path]):
         if not text:
             self.complain("Type the path of a program file, or choose one below.")
             return
-        self.dismiss(Path(text).expanduser())
+        path = Path(text)
+        with suppress(RuntimeError):  # nobody of that name has a home
+            path = path.expanduser()
+        self.dismiss(path)

@@ -5,25 +5,25 @@ position    data without commands, position with the way between the limits
 path        path data with position
 """
 
+import threading
+from collections.abc import Callable
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
-from textual import work
 from textual.app import ComposeResult
 from textual.containers import Container
 from textual.widgets import Footer
 
 from fraese.control.controller import Controller
 from fraese.control.state import MachineState
-from fraese.errors import FraeseError
+from fraese.errors import FraeseError, StateError
 from fraese.ui.dialogs.goto import From, GoTo, GoToDialog
 from fraese.ui.dialogs.open import OpenDialog
 from fraese.ui.dialogs.reference import Reference, ReferenceDialog
 from fraese.ui.dialogs.switches import SwitchPage
 from fraese.ui.jogging import Jog
 from fraese.ui.keys import Area, said
-from fraese.ui.messages import Noted, Refused
-from fraese.ui.programs import Program, in_words
+from fraese.ui.programs import Facts, Look, Program, in_words
 from fraese.ui.views.view import BUSY, Desk, View
 from fraese.ui.widgets.commands import CommandList
 from fraese.ui.widgets.path import PathView
@@ -51,6 +51,8 @@ class MachineView(View):
         self._choice = widths(shape)
         self._width = FIRST_WIDTH
         self._last_go_to: GoTo | None = None
+        # What became of the loaded program's file, as far as it was told.
+        self._told = ""
         self._stopping = False
         self._status = StatusPanel(desk.machine_name)
         self._position = PositionPanel(shape)
@@ -203,39 +205,121 @@ class MachineView(View):
         if path is not None:
             self._load(path)
 
-    @work(thread=True, exclusive=True, group="program")
     def _load(self, path: Path) -> None:
         """Read the file, which may be long, beside everything else."""
-        try:
-            program = self.desk.programs.read(path)
-        except FraeseError as error:
-            self.app.post_message(Refused(str(error)))
-        else:
-            self.app.call_from_thread(self._loaded, path, program)
+        look = self.desk.programs.begin()
 
-    def _loaded(self, path: Path, program: Program) -> None:
-        link = self.desk.link
-        if link.moving:
+        def read() -> None:
+            program = self.desk.programs.read(path)
+            self.call_later(self._loaded, path, program, look)
+
+        self._aside(look, read)
+
+    def _aside(self, look: Look, action: Callable[[], None]) -> None:
+        """Do this in a thread of its own, for which nobody waits; say what it is refused for."""
+
+        def go() -> None:
+            try:
+                action()
+            except FraeseError as error:
+                self.call_later(self._failed, look, str(error))
+            except Exception as error:  # of a reader, which must not end the control of a machine
+                self.call_later(self._failed, look, f"Reading the program failed: {error!r}.")
+
+        look.busy = True
+        threading.Thread(target=go, name="program", daemon=True).start()
+
+    def _failed(self, look: Look, sentence: str) -> None:
+        if self.desk.programs.ended(look):
+            self.refuse(sentence)
+
+    def _loaded(self, path: Path, program: Program, look: Look) -> None:
+        if look.given_up:
+            return
+        if self.desk.link.moving:
+            self.desk.programs.ended(look)
             self.refuse(BUSY)
             return
         self.desk.programs.put(path, program)
+        self._told = ""
         self._status.show_program(program.name)
         self._path.load(program.lines)
         self.show_picture("path")
-        tell = self.app.post_message
 
-        def check(controller: Controller) -> None:
-            facts = program.check(controller)
-            for warning in facts.warnings:
-                tell(Noted(warning, warning=True))
-            tell(Noted(f"{program.name}: {in_words(facts)}. Start it with {said('start')}."))
+        def ask(controller: Controller) -> None:
+            self.call_later(self._look, program, program.question(controller), look)
 
-        self.expect(link.order_of(check, moves=False))
+        self._order(look, ask, moves=False)
+
+    def _order(self, look: Look, order: Callable[[Controller], None], *, moves: bool) -> None:
+        taken = self.desk.link.order_of(order, moves=moves)
+        if not taken:
+            self.desk.programs.ended(look)
+        self.expect(taken)
+
+    def _look(self, program: Program, question: Any, look: Look, *, start: bool = False) -> None:
+        """Look it through beside everything else; then say so, or start it."""
+        if look.given_up:
+            return
+        self.say(f"{program.name} is being looked through; {said('app.stop_machine')} ends that.")
+
+        def through() -> None:
+            facts = program.look(question)
+            self.call_later(self._looked, program, facts, look, start)
+
+        self._aside(look, through)
+
+    def _looked(self, program: Program, facts: Facts, look: Look, start: bool) -> None:
+        if not self.desk.programs.ended(look):
+            return
+        for warning in facts.warnings:
+            self.note(warning, warning=True)
+        if not start:
+            self.note(f"{program.name}: {in_words(facts)}. Start it with {said('start')}.")
+            return
+
+        def begin(controller: Controller) -> None:
+            if program.question(controller) is not None:
+                raise StateError(
+                    f"The machine has changed while {program.name} was looked through: start it"
+                    f" again with {said('start')}; nothing has moved."
+                )
+            program.start(controller)
+
+        self.expect(self.desk.link.order_of(begin))
+
+    def _tell_news(self, program: Program) -> None:
+        """Its file became another one: say so once before it starts.
+
+        Raises:
+            StateError: then.
+        """
+        news, told = program.news(), self._told
+        self._told = news
+        if news and news != told:
+            raise StateError(
+                f"{news} Open it again with {said('open')}, or run what was opened with"
+                f" {said('start')}."
+            )
 
     def action_start(self) -> None:
-        """Run the program."""
-        program = self.desk.programs.program
+        """Run the program; it is looked through first if the machine stands otherwise now."""
+        program, look = self.desk.programs.program, self.desk.programs.look
+        if look is not None and look.busy:
+            self.refuse(f"Wait for the look-through, or end it with {said('app.stop_machine')}.")
+            return
         if program is None:
             self.refuse(f"No program is loaded: open one with {said('open')}.")
             return
-        self.expect(self.desk.link.order_of(program.start))
+        look = self.desk.programs.begin()
+
+        def start_or_ask(controller: Controller) -> None:
+            self._tell_news(program)
+            question = program.question(controller)
+            if question is None:
+                program.start(controller)
+                self.call_later(self.desk.programs.ended, look)
+            else:
+                self.call_later(self._look, program, question, look, start=True)
+
+        self._order(look, start_or_ask, moves=True)

@@ -1,0 +1,75 @@
+"""The other side of ``looker.py``: a process that looks a program through, and ends with it."""
+
+import os
+import pickle
+import queue
+import sys
+import threading
+from collections.abc import Callable
+from typing import BinaryIO
+
+from fraese.program.check import Facts, check_program
+from fraese.program.context import ProgramContext
+from fraese.program.looker import receive_file, send_file
+from fraese.program.taken import Taken
+
+
+def main(most_bytes: int) -> None:
+    """Answer questions until standard input ends.
+
+    Args:
+        most_bytes: of memory.
+    """
+    _bound_memory(most_bytes)
+    asked: queue.SimpleQueue[tuple[Taken, ProgramContext, bool]] = queue.SimpleQueue()
+    threading.Thread(target=_hear, args=(sys.stdin.buffer, asked.put), daemon=True).start()
+    out = sys.stdout.buffer
+    while True:
+        taken, context, plan = asked.get()
+        before = set(taken.files)
+        facts = _looked(taken, context, plan, most_bytes)
+        for path in taken.files.keys() - before:
+            send_file(out, path, taken.files[path])
+        pickle.dump(facts, out)
+        out.flush()
+
+
+def _hear(stream: BinaryIO, put: Callable[[tuple[Taken, ProgramContext, bool]], None]) -> None:
+    """Questions as they come; when nobody can ask any more, that is the end, whatever runs."""
+    taken: Taken | None = None
+    try:
+        while True:
+            first, second = pickle.load(stream)
+            if isinstance(first, ProgramContext):
+                assert taken is not None
+                put((taken, first, second))
+                continue
+            content = receive_file(stream, second)
+            if taken is not None:
+                taken.files[first] = content
+            elif content is not None:
+                taken = Taken(first, content, {})
+    finally:
+        os._exit(0)
+
+
+def _looked(taken: Taken, context: ProgramContext, plan: bool, most_bytes: int) -> Facts:
+    try:
+        return check_program(taken, context, plan=plan)
+    except MemoryError:
+        return Facts.refused(
+            f"to look it through would need more than {most_bytes >> 20} MB of memory."
+        )
+
+
+def _bound_memory(most_bytes: int) -> None:
+    """An endless program must not take the machine's computer with it."""
+    try:
+        import resource
+    except ImportError:  # no such bounds here
+        return
+    resource.setrlimit(resource.RLIMIT_AS, (most_bytes, most_bytes))
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))
