@@ -1,7 +1,7 @@
 """Every alarm there is: its number, what happened, what the position is worth, what to do now.
 
     1x  end switches      2x  reference runs      3x  probes           4x  the program itself
-    5x  ports             6x  the step process    7x  the bridge
+    5x  ports             6x  the step process    7x  the bridge         8x  the journal
 
 Rule 1: a number belongs to one alarm for ever; what is no longer raised leaves a gap.
 Rule 2: the sentence that is shown is made where the alarm arises and knows the place; what is the
@@ -181,6 +181,20 @@ BRIDGE_STUCK: Final = AlarmKind(
     Trust.LOST,
     "Unplug the board and plug it in again, then reference; if it comes again, flash it anew.",
 )
+NOT_KEPT: Final = AlarmKind(
+    80,
+    "not_kept",
+    "Where the machine is could not be put down while it moved: it was braked.",
+    Trust.KEPT,
+    "See what the disk says; until that is mended, a restart may not know where the machine is.",
+)
+MACHINE_BUSY: Final = AlarmKind(
+    81,
+    "machine_busy",
+    "Another program drives the machine.",
+    Trust.UNMOVED,
+    "End that program first; fraese where works meanwhile.",
+)
 
 ALARMS: Final[tuple[AlarmKind, ...]] = (
     END_SWITCH,
@@ -201,5 +215,7 @@ ALARMS: Final[tuple[AlarmKind, ...]] = (
     BRIDGE_UNFIT,
     BRIDGE_LOST,
     BRIDGE_STUCK,
+    NOT_KEPT,
+    MACHINE_BUSY,
 )
 BY_NUMBER: Final = {kind.number: kind for kind in ALARMS}

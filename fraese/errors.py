@@ -13,6 +13,8 @@
     │   ├── ProbeError          a probe that touches never, or already
     │   ├── SilenceAlarm        the program did not look after its driver in time
     │   ├── StopAlarm           the driver stopped, and nobody had asked for it
+    │   ├── KeepAlarm           the place could not be put down while the motors ran
+    │   ├── BusyError           another program drives the machine; nothing has moved
     │   └── PortError           the metal is not reachable
     └── Cancelled               the user stopped it                    exit 130
 
@@ -139,6 +141,18 @@ class StopAlarm(Alarm):
     """The driver stopped without ramp and dropped its queue; the program had not asked for it."""
 
     usual = alarms.STRAY_STOP
+
+
+class KeepAlarm(Alarm):
+    """Where the machine is could not be put down, so the motors were braked."""
+
+    usual = alarms.NOT_KEPT
+
+
+class BusyError(Alarm):
+    """Another program drives the machine; nothing has moved."""
+
+    usual = alarms.MACHINE_BUSY
 
 
 class PortError(Alarm):
