@@ -1,11 +1,16 @@
 """The host's driver on the real firmware: what is its own, besides the contract of all drivers."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 
 from fraese.blocks import Outputs, Piece, Watch, WatchAction
 from fraese.errors import PortError
+from fraese.motor.bridge import constants as c
+from fraese.motor.bridge.codec import Status
+from fraese.motor.bridge.driver import BridgeDriver
+from fraese.motor.bridge.session import Session
 from fraese.motor.seams import Ended, Report
 from tests.bridge.device import reason_to_skip
 from tests.bridge.firmwaremill import FirmwareBench
@@ -36,6 +41,22 @@ def refused_poll(bench: FirmwareBench) -> tuple[float, str]:
     except PortError as error:
         said = str(error)
     return (bench.clock.now_ns() - since_ns) / 1e9, said
+
+
+def catch_between(bench: FirmwareBench, monkeypatch: pytest.MonkeyPatch) -> list[Status]:
+    """The first answer that the motors stand was given a moment earlier: held, time still runs."""
+    caught: list[Status] = []
+    look = BridgeDriver._look
+
+    def look_early(driver: BridgeDriver, session: Session) -> None:
+        look(driver, session)
+        if not caught and not driver.status.state & c.State.MOVING:
+            between = driver.status.state | c.State.MOVING | c.State.HELD
+            caught.append(replace(driver.status, state=between, ended=c.ENDED_NOT))
+            driver._hear(session, caught[0])
+
+    monkeypatch.setattr(BridgeDriver, "_look", look_early)
+    return caught
 
 
 class TestQueue:
@@ -150,6 +171,35 @@ class TestContacts:
         assert report.latched_steps is not None
         assert 300 <= report.latched_steps[0] <= report.position_steps[0] <= 305
         assert report.candidates == ends("x+")
+
+    def test_a_last_word_from_between_hold_and_rest_is_asked_about(
+        self, bench: FirmwareBench, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """The step interrupt holds; the main loop, a moment later, says that the run is over."""
+        bench.place("x", TRAVEL_STEPS - 3000)
+        bench.driver.push(line(6000)._replace(watch=Watch(0x80, 0, WatchAction.STOP)))
+        bench.driver.poll(0.3)
+        caught = catch_between(bench, monkeypatch)
+        for _ in range(50):
+            report = bench.driver.poll(0.02)
+            if report.ended is not Ended.NOT:
+                break
+        assert caught
+        assert (report.ended, report.running) == (Ended.WATCH, False)
+        assert bench.carriage("x") == report.position_steps[0]
+
+    def test_a_brake_whose_last_word_is_from_between_hold_and_rest_is_held(
+        self, bench: FirmwareBench, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        bench.driver.push(line(6000))
+        bench.driver.poll(0.3)
+        caught = catch_between(bench, monkeypatch)
+        bench.driver.brake()
+        report = run(bench)
+        assert caught
+        assert (report.held, report.running, report.rate_hz) == (True, False, 0)
+        bench.driver.resume()
+        assert run(bench).position_steps == (6000, 0, 0)
 
     def test_two_axes_leave_two_candidates(self, bench: FirmwareBench) -> None:
         bench.place("x", TRAVEL_STEPS - 60)

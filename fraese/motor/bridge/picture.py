@@ -3,6 +3,8 @@
 Rule 1: counts of the device that wrap round are added up here, over all sessions.
 Rule 2: why the motors stand is the device's word, until the host knows better.
 Rule 3: where a device was lost, all motors are torn until something moves again.
+Rule 4: the device's interrupt closes the throttle; its main loop sees a moment later that the
+        motors stand. A word from between says both HELD and MOVING, and is not the last one.
 """
 
 from typing import Final
@@ -87,9 +89,9 @@ class Picture:
 
     @property
     def held(self) -> bool:
-        """The throttle is closed, and opens by no block that is on its way."""
+        """The throttle is closed, the motors stand, and no block that is on its way opens it."""
         dry = self.status.state & State.DRY and self._link.streams
-        return bool(self.status.state & State.HELD) and not dry
+        return bool(self.status.state & State.HELD) and self.stands and not dry
 
     @property
     def runs(self) -> bool:
