@@ -187,7 +187,7 @@ class Bench:
     def go(self, _rest: str) -> None:
         """G."""
         way = tuple(self.axes[axis].steps for axis in AXES)
-        leader = max(self.axes.values(), key=lambda axis: abs(axis.steps))
+        leader = max(self.axes.values(), key=lambda axis: (abs(axis.steps), axis.freq_hz > 0))
         X4ClearTimer()
         self._drive(way, leader.freq_hz, leader.ramp_ms)
         self._tell_steps()

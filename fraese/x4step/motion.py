@@ -40,7 +40,8 @@ class Motion:
 
     def __init__(self, driver: StepDriver) -> None:
         self._driver = driver
-        self._gate = threading.Lock()
+        # A signal's handler may brake while its own thread is at the gate.
+        self._gate = threading.RLock()
         self._path: Iterator[Block] = iter(())
         self._next: Block | None = None
         self.moving = False

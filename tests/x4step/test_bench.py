@@ -20,6 +20,7 @@ from fraese.x4step import X4Init, X4ReInit
 from fraese.x4step.bench import COMMANDS, HELP, Bench
 from fraese.x4step.consoles import ScriptConsole
 from fraese.x4step.testing import BOOST_PIN, Lab, clock_pin, direction_pin, simulation
+from tests.cli.test_trace_option import Wave
 
 ROOT = Path(__file__).parents[2]
 MS = 1_000_000
@@ -177,6 +178,12 @@ def test_an_empty_line_says_nothing(session: Session) -> None:
     assert session.said[1:] == ["", "   ", ""]
 
 
+def test_of_two_longest_paths_the_one_with_a_rate_leads(session: Session) -> None:
+    session.run("d50\ns3\nd-50\nf1000\ng\n")
+    assert [session.lab.lines().steps(axis) for axis in (1, 3)] == [50, -50]
+    assert max(rates(session.rises(3))) == pytest.approx(1000, rel=0.002)
+
+
 def test_without_a_path_nothing_moves(session: Session) -> None:
     session.run("f1000\ng\nt\na200,300,100\n")
     assert [line for line in session.said if line.startswith("X4")] == [
@@ -286,6 +293,7 @@ def test_a_number_that_is_no_port(lpt: str) -> None:
 
 @pytest.mark.parametrize("arguments", [(), ("2",), ("4",)])
 def test_a_script(arguments: tuple[str, ...]) -> None:
+    """It ends by Q; see below for the end of the input."""
     done = command(*arguments, text="s1\nd1000\nf2000\nr50\ng\nq\nd7\n")
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("Test program for X4Step")
@@ -302,6 +310,18 @@ def test_ctrl_c_in_a_motion_is_not_said_to_be_before_it(monkeypatch: pytest.Monk
     ended = CliRunner().invoke(app, ["bench"], input="f1000\nm+\n")
     assert ended.exit_code == 130
     assert ended.stderr == "fraese: Cancelled; the motors are off.\n"
+
+
+@pytest.mark.parametrize("end", ["q\n", ""])
+def test_the_lines_are_low_after_it(tmp_path: Path, end: str) -> None:
+    file = tmp_path / "lines.vcd"
+    done = command("3", "--trace", str(file), text=f"d20\nf1000\ng\nm-\n{end}")
+    assert done.returncode == 0, done.stderr
+    wave = Wave(file)
+    outputs = [name for name in wave.changes if "input" not in name and "direction" not in name]
+    assert len(outputs) == 8
+    assert all(wave.changes[name][-1].value == "0" for name in outputs)
+    assert len(wave.edges("pin17_active", "1")) == 2
 
 
 class Person:

@@ -38,6 +38,24 @@ def test_make_codes(name: str, code: int) -> None:
     assert MAKE_CODES[name] == code
 
 
+#: Both keyboards as they lie on a table.
+_AT_KEYS = (
+    "F1 F2 ` 1 2 3 4 5 6 7 8 9 0 - = \\ BACKSPACE ESC NUMLOCK SCROLLLOCK SYSREQ",
+    "F3 F4 TAB Q W E R T Y U I O P [ ] HOME UP PAGEUP KP*",
+    "F5 F6 CTRL A S D F G H J K L ; ' ENTER LEFT KP5 RIGHT KP-",
+    "F7 F8 SHIFT Z X C V B N M , . / RIGHTSHIFT END DOWN PAGEDOWN",
+    "F9 F10 ALT SPACE CAPSLOCK INSERT DELETE KP+",
+)
+_MF2_KEYS = (
+    "ESC F1 F2 F3 F4 F5 F6 F7 F8 F9 F10 F11 F12 SCROLLLOCK",
+    "` 1 2 3 4 5 6 7 8 9 0 - = BACKSPACE INSERT HOME PAGEUP NUMLOCK / KP* KP-",
+    "TAB Q W E R T Y U I O P [ ] ENTER DELETE END PAGEDOWN HOME UP PAGEUP KP+",
+    "CAPSLOCK A S D F G H J K L ; ' \\ LEFT KP5 RIGHT",
+    "SHIFT 102ND Z X C V B N M , . / RIGHTSHIFT UP END DOWN PAGEDOWN ENTER",
+    "CTRL ALT SPACE ALT CTRL LEFT DOWN RIGHT INSERT DELETE",
+)
+
+
 def test_keyboards_of_the_manual() -> None:
     assert sum(map(len, AT_KEYBOARD)) == 84
     assert sorted(code for row in AT_KEYBOARD for code in row) == list(range(1, 85))
@@ -46,6 +64,12 @@ def test_keyboards_of_the_manual() -> None:
     twice = {code for code in mf2 if mf2.count(code) == 2}
     assert {28, 29, 56, 71, 72, 73, 75, 77, 79, 80, 81, 82, 83} <= twice
     assert MF2_KEYBOARD[3][0] == 58
+    assert [[MAKE_CODES[name] for name in row.split()] for row in _AT_KEYS] == [
+        *map(list, AT_KEYBOARD)
+    ]
+    assert [[MAKE_CODES[name] for name in row.split()] for row in _MF2_KEYS] == [
+        *map(list, MF2_KEYBOARD)
+    ]
 
 
 @pytest.mark.parametrize(

@@ -473,13 +473,28 @@ def test_the_timer_counts_in_motion_and_at_standstill(lab: Lab) -> None:
     assert (lab.now_ns() - begin_ns) // MS == 70
 
 
-@pytest.mark.parametrize("moving", [False, True])
-def test_inputs_are_the_levels_of_their_pins(lab: Lab, moving: bool) -> None:
-    if moving:
-        X4MovePos(1, 1000, 0)
+def test_the_timer_takes_no_notice_of_motions(lab: Lab) -> None:
+    begin_ns = lab.now_ns()
+    for end in (X4Brake, X4Stop):
+        X4MovePos(1, 1000, 50)
+        for _ in range(100):
+            X4GetState()
+        end()
+        wait()
+        drive((20, 0, 0, 0), 1000, 0)
+        assert X4GetTimer() == pytest.approx((lab.now_ns() - begin_ns) / MS, abs=1)
+    assert X4GetTimer() > 200
+
+
+@pytest.mark.parametrize("freq", [0, 10, 1000, 20_000])
+def test_inputs_are_the_levels_of_their_pins(lab: Lab, freq: int) -> None:
+    """Thirty milliseconds after a change at the latest, however far apart the steps are."""
+    if freq:
+        X4MovePos(1, freq, 0)
 
     def settled() -> int:
-        for _ in range(30):
+        begin_ns = lab.now_ns()
+        while lab.now_ns() < begin_ns + 29 * MS:
             X4GetIn()
         return X4GetIn()
 

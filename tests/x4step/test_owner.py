@@ -1,6 +1,7 @@
 """The owner's thread, in real time: the caller sleeps, computes, or asks without a pause."""
 
 import time
+from bisect import bisect_right
 from collections.abc import Iterator
 
 import pytest
@@ -69,6 +70,22 @@ def test_steps_go_on_while_the_caller_does_something_else(lab: Lab, busy: bool) 
     while X4GetState():
         pass
     assert lab.lines().steps(1) == X4GetSteps(1)
+
+
+def test_steps_that_are_told_of_were_made_a_moment_ago(lab: Lab) -> None:
+    X4MovePos(1, 5000, 100)
+    told, until_s = [], time.monotonic() + 0.5
+    while time.monotonic() < until_s:
+        steps = X4GetSteps(1)
+        told.append((steps, lab.now_ns()))
+    X4Stop()
+    rises = lab.lines().rises(clock_pin(1))
+    assert told == sorted(told)
+    for steps, at_ns in told:
+        made = bisect_right(rises, at_ns)
+        assert steps <= made
+        assert steps == made or at_ns - rises[steps] <= 20_000_000
+    assert told[-1][0] > 500
 
 
 def test_inputs_and_signals_while_it_moves(lab: Lab) -> None:

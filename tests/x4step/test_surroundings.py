@@ -52,9 +52,12 @@ def test_with_a_table_only_that_port_is_there(
     assert said == (f"x4step: LPT{lpt} is not configured; there is LPT2.\n" if code else "")
 
 
-def test_a_port_that_cannot_be_opened(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("kind", ["bridge", "ppdev"])
+def test_a_port_that_cannot_be_opened(
+    folder: Path, capsys: pytest.CaptureFixture[str], kind: str
+) -> None:
     (folder / "fraese.toml").write_text(
-        '[x4step.lpt1]\nkind = "bridge"\ndevice = "/dev/there-is-none"\n', "utf-8"
+        f'[x4step.lpt1]\nkind = "{kind}"\ndevice = "/dev/there-is-none"\n', "utf-8"
     )
     assert X4Init(1) == 6
     assert "/dev/there-is-none" in capsys.readouterr().err
