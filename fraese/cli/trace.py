@@ -103,15 +103,10 @@ def _ends(file: "VcdFile", start: str, end: str, around: str, span: str) -> tupl
     Raises:
         UsageError: if there is no such stretch.
     """
-    from fraese.waves import times
-
-    def units(text: str, option: str) -> int:
-        return round(times.seconds(text, option) / file.unit_s)
-
     if around:
         if start or end:
             raise UsageError("Either --from and --to, or --around with --span.")
-        length = units(span or _SPAN, "--span")
+        length = _units(file, span or _SPAN, "--span")
         if not length:
             raise UsageError(f"--span {span} is nothing to look at; say a length, as in {_SPAN}.")
         middle = _middle(file, around)
@@ -119,31 +114,41 @@ def _ends(file: "VcdFile", start: str, end: str, around: str, span: str) -> tupl
     else:
         if span:
             raise UsageError("--span goes with --around, which says where.")
-        first = units(start, "--from") if start else file.begin
-        last = units(end, "--to") if end else file.end
-        if start and first > file.end:
-            raise UsageError(
-                f"--from {start} is after the end of {file.path},"
-                f" {times.moment(file.end * file.unit_s)}."
-            )
+        first = _moment(file, start, "--from") if start else file.begin
+        last = _units(file, end, "--to") if end else file.end
         if last <= first and (start or end):
             raise UsageError("--to must come after --from; nothing lies between them.")
     return max(0, first), max(last, first + 1, 1)
 
 
+def _units(file: "VcdFile", text: str, option: str) -> int:
+    """A time, in units of the file."""
+    from fraese.waves import times
+
+    return round(times.seconds(text, option) / file.unit_s)
+
+
+def _moment(file: "VcdFile", text: str, option: str) -> int:
+    """A time within the file, in its units.
+
+    Raises:
+        UsageError: if it is after the end.
+    """
+    from fraese.waves import times
+
+    moment = _units(file, text, option)
+    if moment > file.end:
+        end = times.moment(file.end * file.unit_s)
+        raise UsageError(f"{option} {text} is after the end of {file.path}, {end}.")
+    return moment
+
+
 def _middle(file: "VcdFile", around: str) -> int:
     """A time, or an edge of a line."""
-    from fraese.waves import times
     from fraese.waves.stretch import number_of
 
     if around[:1].isdigit() or around[:1] == ".":
-        middle = round(times.seconds(around, "--around") / file.unit_s)
-        if middle > file.end:
-            raise UsageError(
-                f"--around {around} is after the end of {file.path},"
-                f" {times.moment(file.end * file.unit_s)}."
-            )
-        return middle
+        return _moment(file, around, "--around")
     name, colon, words = around.rpartition(":")
     name, words = (name, words) if colon and words.isdigit() else (around, "1")
     number, wanted = number_of(file, name), int(words)

@@ -1,5 +1,6 @@
 """Times as people type and read them: ``1.5ms``, ``250 us``; seconds without a unit."""
 
+import math
 import re
 from collections.abc import Mapping
 from typing import Final
@@ -74,14 +75,8 @@ def rate(rate_hz: float | None) -> str:
 def tick_s(span_s: float, most: int) -> float:
     """A round distance of an axis's ticks, so that there are at most so many."""
     least_s = span_s / max(1, most)
-    power = 10.0 ** len(str(int(1 / least_s))) if least_s < 1 else 1.0
-    step_s = 1 / power
-    while step_s * 10 <= least_s:
-        step_s *= 10
-    return next(
-        (factor * step_s for factor in _ROUND if factor * step_s >= least_s * 0.999999),
-        100 * step_s,
-    )
+    power_s = 10.0 ** math.floor(math.log10(least_s))
+    return next(factor * power_s for factor in _ROUND if factor * power_s >= 0.999999 * least_s)
 
 
 def tick_word(number: int, tick_s: float, end_s: float) -> str:

@@ -28,7 +28,7 @@ _WRITTEN: Final = 0
 _TAKEN: Final = 1
 _MISSING: Final = 2
 _HEAD_WORDS: Final = 4
-#: Room for two seconds of four axes at 20 kHz.
+#: Room for three seconds of four axes at 20 kHz: two writes a step.
 _ACCESSES: Final = 1 << 17
 _MASK: Final = _ACCESSES - 1
 _BYTES: Final = 8 * (_HEAD_WORDS + 2 * _ACCESSES)
