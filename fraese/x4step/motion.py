@@ -13,6 +13,7 @@ Rule 4: ``brake`` and ``stop`` may be called from any thread, everything else fr
 
 import threading
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Final
 
 from fraese.blocks import Block
@@ -21,6 +22,8 @@ from fraese.motor.seams import Ended, Report, StepDriver, SwitchMode
 
 #: So many blocks wait in the driver: of an endless path, minutes at the highest rate.
 _AHEAD: Final = 16
+#: Time for a stop to act, s.
+_LAST_S: Final = 0.1
 #: Ends after which nothing more is played, whatever was still to be fed.
 _FOR_GOOD: Final = (Ended.STOP, Ended.SILENCE, Ended.SWITCH, Ended.WATCH)
 
@@ -105,6 +108,13 @@ class Motion:
                 self.cut_short = True
                 self._driver.stop()
             return self.moving
+
+    def give_up(self) -> None:
+        """Stop; nobody will look any more."""
+        self.stop()
+        with suppress(Exception):
+            self.look(_LAST_S)
+        self._drop()
 
     def _feed(self) -> None:
         queued = self.report.queued

@@ -216,7 +216,7 @@ class ThreadedOwner(Owner):
         self._waiting: list[None] = []
         self._still = threading.Event()
         self._still.set()
-        self._closing = False
+        self._closing = self._has_failed = False
         self._slice_s = slice_s
         self._idle_s = idle_s
         self._asked_ns = 0
@@ -265,17 +265,34 @@ class ThreadedOwner(Owner):
         self._thread.join(_PATIENCE_S)
         super().close()
 
+    def _start(self, path: Iterator[Block]) -> None:
+        if self._has_failed:
+            raise PortError(
+                "Nobody looks after the motors any more, since that error; X4Init begins anew."
+            )
+        super()._start(path)
+
     def _live(self) -> None:
         with self._monitor:
-            while not self._closing:
-                if self.motion.moving:
-                    self._attend(self._slice_s)
-                    self._rested_ns = time.monotonic_ns()
-                else:
-                    self._rest()
+            try:
+                while not self._closing:
+                    self._turn()
+            except Exception as error:
+                # Else the motors would run, or be said to run, for ever.
+                self._complain(f"Stopped by an error in the program itself: {error!r}.")
+                self._has_failed = True
+                self.motion.give_up()
                 self._publish()
-                if self._waiting:
-                    self._monitor.wait(_WAY_S)
+
+    def _turn(self) -> None:
+        if self.motion.moving:
+            self._attend(self._slice_s)
+            self._rested_ns = time.monotonic_ns()
+        else:
+            self._rest()
+        self._publish()
+        if self._waiting:
+            self._monitor.wait(_WAY_S)
 
     def _rest(self) -> None:
         """The axes stand: time passes, inputs are read, the driver hears from us."""

@@ -120,3 +120,32 @@ def test_braking_and_the_end(lab: Lab) -> None:
     gaps = [b - a for a, b in zip(lines.rises(7)[-20:], lines.rises(7)[-19:], strict=False)]
     assert gaps[-1] > gaps[0]
     assert clock_pin(3) == 7
+
+
+def test_an_error_in_the_owner_itself_stops_the_motors(
+    lab: Lab, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def broken() -> list[int]:
+        raise RuntimeError("broken")
+
+    X4MovePos(1, 1000, 0)
+    time.sleep(0.05)
+    monkeypatch.setattr(lab.keys, "codes", broken)
+    until_s = time.monotonic() + 10
+    while X4GetState():
+        assert time.monotonic() < until_s
+    assert X4GetSteps(1) == lab.lines().steps(1) > 0
+    assert X4Load(5, 0, 0, 0, 1000, 0) == 0
+    assert X4Start() == 6
+    assert X4GetState() == 0
+    said = capsys.readouterr().err.splitlines()
+    assert said == [
+        "x4step: Stopped by an error in the program itself: RuntimeError('broken').",
+        "x4step: Nobody looks after the motors any more, since that error; X4Init begins anew.",
+    ]
+    assert X4ReInit() == 0
+    assert not any(lab.lines().level(pin) for pin in (1, 3, 14, 16, 17))
+    monkeypatch.undo()
+    assert X4Init(2) == 0
+    assert X4Load(5, 0, 0, 0, 1000, 0) == 0
+    assert X4Start() == 0
