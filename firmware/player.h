@@ -33,7 +33,7 @@ enum halt { PLAYING, AT_END, AT_STOP, AT_HOLD, STARVED };
 /* What the next interrupt is: MODE_... of layout.h. */
 #define MODE GPIOR2
 
-/* Clock lines: why the next edge is not simply half an interval after the last fall. */
+/* Clock lines: why the next edge is not simply a pause after the last fall. */
 struct rest {
     bool stands;    /* a run begins */
     uint32_t stood; /* after so long; */
