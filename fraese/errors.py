@@ -16,6 +16,7 @@
     │   ├── KeepAlarm           the place could not be put down while the motors ran
     │   ├── BusyError           another program drives the machine; nothing has moved
     │   └── PortError           the metal is not reachable
+    ├── OutputError             what a command prints cannot be written   exit 1
     └── Cancelled               the user stopped it                    exit 130
 
 Foreign errors are wrapped at the seam where they arise, with ``raise ... from``.
@@ -165,3 +166,7 @@ class Cancelled(FraeseError):
     """The user stopped it."""
 
     exit_code = 130
+
+
+class OutputError(FraeseError):
+    """What a command is asked to print cannot be written."""

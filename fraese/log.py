@@ -6,16 +6,22 @@ It rides on Python's logging, so that a test or another program can listen in it
 Rule 1: functions that matter log their entry with parameters and their exit with results: use
         ``logged``. It costs one comparison while the log is off.
 Rule 2: never from inside a loop over ticks, moves or polls; a long job must not drown in its log.
+Rule 3: what is logged is one plain line: nothing foreign in it breaks it or commands a terminal.
 """
 
 import contextlib
+import errno
 import functools
 import logging
+import os
+import stat
 from collections.abc import Callable
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any, Final, ParamSpec, TypeVar
 
 from fraese.errors import ConfigError
+from fraese.plaintext import plain
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -29,7 +35,7 @@ _MAX_VALUE_CHARACTERS: Final = 200
 def write(module: str, procedure: str, place: str, text: str = "") -> None:
     """One line: module, procedure, place in the procedure, extra text."""
     if _LOGGER.isEnabledFor(logging.INFO):
-        _LOGGER.info("%-11s %-22s %-7s %s", module.upper(), procedure, place, text)
+        _LOGGER.info("%-11s %-22s %-7s %s", module.upper(), procedure, place, plain(text))
 
 
 def logged(function: Callable[P, R]) -> Callable[P, R]:
@@ -67,8 +73,29 @@ def _shown(args: tuple[Any, ...], kwargs: dict[str, Any]) -> str:
 class _Handler(logging.FileHandler):
     """A file that cannot be written any more (a full disk) does not disturb the machine."""
 
+    def _open(self) -> TextIOWrapper:
+        """A file and nothing else: a pipe or a device would be waited for.
+
+        Raises:
+            OSError: if it cannot be opened, or is none.
+        """
+        flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NONBLOCK", 0)
+        try:
+            fd = os.open(self.baseFilename, flags | getattr(os, "O_NOCTTY", 0), 0o600)
+        except OSError as error:
+            # So is a pipe opened that nobody reads.
+            raise _no_file() if error.errno == errno.ENXIO else error from error
+        if not stat.S_ISREG(os.fstat(fd).st_mode):
+            os.close(fd)
+            raise _no_file()
+        return open(fd, "a", encoding="utf-8", errors="backslashreplace")
+
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 (logging's name)
         pass
+
+
+def _no_file() -> OSError:
+    return OSError(errno.EINVAL, "a log is a file, and this is something else")
 
 
 class LogFile:

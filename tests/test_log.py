@@ -1,6 +1,8 @@
 """The log: what the original wrote, and no more than that."""
 
+import contextlib
 import logging
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -108,11 +110,52 @@ def test_a_file_that_cannot_be_written_is_said(tmp_path: Path, bad: str) -> None
     assert not log.is_on
 
 
-def test_a_full_disk_does_not_disturb_the_machine(capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_full_disk_does_not_disturb_the_machine(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
     if not Path("/dev/full").exists():
         pytest.skip("no /dev/full here")
-    made = assemble(configured(log={"file": "/dev/full", "enabled": True}))
-    made.controller.jog("x", 1)
-    assert made.controller.run() is Status.OK
-    made.close()
+    made = assemble(configured(log={"file": str(tmp_path / "the.log"), "enabled": True}))
+    assert made.controller.log is not None
+    handler = made.controller.log._handler
+    assert handler is not None
+    with open("/dev/full", "a", encoding="utf-8") as full:
+        before = handler.setStream(full)
+        assert before is not None
+        before.close()
+        made.controller.jog("x", 1)
+        assert made.controller.run() is Status.OK
+        made.close()
+        with contextlib.suppress(OSError):
+            full.close()
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("kind", ["fifo", "device", "folder"])
+def test_a_log_that_is_no_file_is_refused_at_once(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "the.log"
+    if kind == "fifo":
+        os.mkfifo(path)
+    elif kind == "device":
+        path = Path("/dev/null")
+    else:
+        path.mkdir()
+    with pytest.raises(ConfigError, match="the log cannot be written"):
+        assemble(configured(log={"file": str(path), "enabled": True}))
+
+
+def test_the_log_is_nobody_elses(tmp_path: Path) -> None:
+    log = LogFile(tmp_path / "the.log")
+    log.switch(True)
+    log.switch(False)
+    assert (tmp_path / "the.log").stat().st_mode & 0o777 == 0o600
+
+
+def test_a_logged_line_is_one_plain_line(tmp_path: Path) -> None:
+    log = LogFile(tmp_path / "the.log")
+    log.switch(True)
+    write("mod", "proc", "entry", "a\nb\x1b]0;x\x07\u202e\udc80")
+    log.switch(False)
+    lines = (tmp_path / "the.log").read_text().splitlines()
+    assert len(lines) == 3
+    assert lines[1].endswith("a\\nb\\x1b]0;x\\x07\\u202e\\udc80")

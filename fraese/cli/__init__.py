@@ -9,7 +9,7 @@ import typer
 
 from fraese.assembly import Plant
 from fraese.cli import alarms, bench, bridge, doctor, files, motion, ports, scancodes, trace, x4step
-from fraese.cli.session import note
+from fraese.cli.output import note, open_standard_files
 from fraese.cli.shared import ConfigOption, Drive, FreshOption, StateOption, TraceOption, leave
 from fraese.errors import UsageError
 from fraese.program import open_program
@@ -99,4 +99,5 @@ def _run_app(plant: Plant, program: Path | None, kept: KeptPrograms) -> int:
 
 def main() -> None:
     """Entry point."""
+    open_standard_files()
     app()

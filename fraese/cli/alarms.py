@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from fraese.alarms import ALARMS, BY_NUMBER, AlarmKind
+from fraese.cli.output import say
 from fraese.cli.shared import JsonOption, leave
 from fraese.errors import UsageError
 
@@ -25,9 +26,9 @@ def alarms(
     def go() -> int:
         wanted = ALARMS if number is None else (_numbered(number),)
         if as_json:
-            print(json.dumps([_as_dict(kind) for kind in wanted]))
+            say(json.dumps([_as_dict(kind) for kind in wanted]))
         else:
-            print("\n\n".join(_in_words(kind) for kind in wanted))
+            say("\n\n".join(_in_words(kind) for kind in wanted))
         return 0
 
     leave(go, as_json)

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from fraese.assembly.drivers import ClockName
+from fraese.cli.output import tell
 from fraese.cli.shared import (
     MOTORS_OFF,
     VALUES,
@@ -74,8 +75,8 @@ def _spoken_with(wanted: WantedKeys, real_time: bool) -> tuple[Console, Keyboard
 
 
 def _say(text: str) -> None:
-    print(text, flush=True)
+    tell(text)
 
 
 def _prompt(text: str) -> None:
-    print(text, end="", flush=True)
+    tell(text, end="")

@@ -19,7 +19,7 @@ from fraese.assembly import tracing
 from fraese.assembly.cards import CARDS
 from fraese.assembly.drivers import planned_driver
 from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece, accel_q_from_hz_s, rate_q8_from_hz
-from fraese.cli.session import note
+from fraese.cli.output import note, say
 from fraese.cli.shared import MOTORS_OFF, ConfigOption, JsonOption, TraceOption, leave
 from fraese.config import Config
 from fraese.config import file as configuration
@@ -108,10 +108,10 @@ def info(
             session.close()
         facts = _facts(place, session.hello, trips_s)
         if as_json:
-            print(json.dumps(facts))
+            say(json.dumps(facts))
         else:
             for name, value in facts.items():
-                print(f"{name.replace('_', ' '):16} {value}")
+                say(f"{name.replace('_', ' '):16} {value}")
         return 0
 
     leave(go, as_json)
@@ -155,9 +155,9 @@ def try_out(
         for check in _checks(place, move, trace):
             checks.append(check)
             if not as_json:
-                print(f"{'ok' if check.ok else 'failed':6}  {check.name}: {check.seen}")
+                say(f"{'ok' if check.ok else 'failed':6}  {check.name}: {check.seen}")
         if as_json:
-            print(json.dumps([check._asdict() for check in checks]))
+            say(json.dumps([check._asdict() for check in checks]))
         return 0 if all(check.ok for check in checks) else PortError.exit_code
 
     leave(go, as_json, MOTORS_OFF)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from fraese.cli.histogram import histogram
-from fraese.cli.session import note
+from fraese.cli.output import note, say
 from fraese.cli.shared import ConfigOption, JsonOption, leave
 from fraese.config import file as configuration
 from fraese.errors import UsageError
@@ -58,7 +58,7 @@ def doctor(
         from fraese.doctor import examine
 
         diagnosis = examine(loaded, seconds, load, note)
-        print(json.dumps(as_dict(diagnosis)) if as_json else "\n".join(report(diagnosis)))
+        say(json.dumps(as_dict(diagnosis)) if as_json else "\n".join(report(diagnosis)))
         return 0 if diagnosis.ok else 1
 
     leave(go, as_json)

@@ -1,14 +1,13 @@
 """Commands about files, without motion: programs looked through, the configuration."""
 
 import json
-import sys
 from pathlib import Path
 
 import typer
 
 from fraese.assembly import assemble
 from fraese.assembly.misfits import described
-from fraese.cli.session import note
+from fraese.cli.output import note, say, write
 from fraese.cli.shared import ConfigOption, FileArgument, StartingPlace, leave, with_options
 from fraese.config import file as configuration
 from fraese.errors import ProgramError, UsageError
@@ -41,7 +40,7 @@ def check(
         facts = _looked_through(file, ProgramContext.of(plant.controller))
         plant.controller.close()
         if on.as_json:
-            print(json.dumps(_facts_as_dict(facts, plant.controller.machine)))
+            say(json.dumps(_facts_as_dict(facts, plant.controller.machine)))
         else:
             _print_facts(file, facts, plant.controller.machine)
         return 0 if facts.ok else UsageError.exit_code
@@ -84,13 +83,13 @@ def _print_facts(file: Path, facts: Facts, machine: Machine) -> None:
     if facts.low_mm is not None and facts.high_mm is not None:
         for axis, low, high in zip(machine.axes, facts.low_mm, facts.high_mm, strict=True):
             reach = axis.with_unit(f"{three_decimals(low):>10} to {three_decimals(high):>10}")
-            print(f"{axis.name.upper()} {reach} (machine)")
+            say(f"{axis.name.upper()} {reach} (machine)")
     minutes, seconds = divmod(facts.duration_s, 60)
-    print(
+    say(
         f"{facts.lines} lines, {facts.blocks} blocks, {facts.length_mm:.1f} mm,"
         f" {minutes:.0f} min {seconds:04.1f} s"
     )
-    print("ok" if facts.ok else "refused")
+    say("ok" if facts.ok else "refused")
 
 
 @app.command()
@@ -105,12 +104,10 @@ def gcode(file: FileArgument, config: ConfigOption = None) -> None:
         context = ProgramContext(
             settings, machine, nowhere, nowhere, (False,) * len(machine.axes), {}
         )
-        out = sys.stdout
         for canonical in ProgramSource(taken, context).moves():
             values = as_dict(canonical)
             if values is not None:
-                out.write(json.dumps(values) + "\n")
-        out.flush()
+                write(json.dumps(values) + "\n")
         return 0
 
     leave(go)
@@ -132,7 +129,7 @@ def config_check(config: ConfigOption = None) -> None:
         if described(settings):
             note(described(settings))
         found = configuration.find_file(config)
-        print(f"{found}: ok" if found else "No configuration file: built-in defaults. ok")
+        say(f"{found}: ok" if found else "No configuration file: built-in defaults. ok")
         return 0
 
     leave(go)
@@ -151,5 +148,5 @@ def config_default() -> None:
 
 
 def _printed(text: str) -> int:
-    print(text, end="")
+    write(text)
     return 0

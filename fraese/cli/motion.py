@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 from fraese.axiswords import axes_named, axis_words, target
-from fraese.cli.session import note, watch_switches
+from fraese.cli.output import note
+from fraese.cli.session import watch_switches
 from fraese.cli.shared import (
     VALUES,
     Drive,

@@ -6,6 +6,7 @@ from typing import Final
 
 import typer
 
+from fraese.cli.output import say
 from fraese.cli.shared import JsonOption, leave
 from fraese.motor.bridge.line import SerialPort, serial_ports
 
@@ -21,14 +22,14 @@ def ports(as_json: JsonOption = False) -> None:
     def go() -> int:
         serial, parallel = serial_ports(), parallel_ports()
         if as_json:
-            print(json.dumps({"serial": [_as_dict(port) for port in serial], "parallel": parallel}))
+            say(json.dumps({"serial": [_as_dict(port) for port in serial], "parallel": parallel}))
             return 0
         for port in serial:
-            print(_in_words(port))
+            say(_in_words(port))
         for device in parallel:
-            print(f"{device}  parallel port")
+            say(f"{device}  parallel port")
         if not serial and not parallel:
-            print("no serial or parallel port")
+            say("no serial or parallel port")
         return 0
 
     leave(go, as_json)

@@ -8,6 +8,7 @@ from typing import Final
 
 import typer
 
+from fraese.cli.output import tell
 from fraese.cli.shared import ConfigOption, KeysOption, leave
 from fraese.config import file as configuration
 from fraese.errors import StateError
@@ -41,7 +42,7 @@ def scancodes(config: ConfigOption = None, keys: KeysOption = None) -> None:
         strokes = _of_file(wanted.layout) if isinstance(source, NoKeys) else _of_keys(source)
         before = 0
         for stroke in strokes:
-            print(_said(stroke), flush=True)
+            tell(_said(stroke))
             if stroke.phase in ("release", "repeat"):
                 continue
             if stroke.key.code == before == ESC_CODE:
@@ -67,7 +68,7 @@ def _of_keys(source: ToldKeys) -> Iterator[Stroke]:
         while not first and time.monotonic() < until_s:
             time.sleep(_LOOK_S)
             first = source.strokes()
-        print(f"Keys come from {source.said}. ESC twice ends.", flush=True)
+        tell(f"Keys come from {source.said}. ESC twice ends.")
         yield from first
         while True:
             yield from source.strokes()

@@ -10,31 +10,37 @@ Rule 3: a question of the program is asked where a person sits at a terminal. El
 import json
 import select
 import shutil
-import signal
 import sys
+import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
-from types import FrameType
+from collections.abc import Callable
 from typing import Any, Final
 
 from fraese.assembly import Plant
+from fraese.cli.departure import Departure
+from fraese.cli.output import note, result, say, show_progress, tell, wipe_progress
 from fraese.control.controller import Controller
 from fraese.control.state import MachineState, Status, three_decimals
 from fraese.control.switchtest import SwitchTest
 from fraese.errors import Alarm, Cancelled, FraeseError
+from fraese.signalwatch import watched
 
 _STATUS_WORDS: Final = {Status.OK: "done", Status.CANCEL: "cancelled", Status.ERROR: "alarm"}
 _EXIT_CODES: Final = {Status.OK: 0, Status.ERROR: 1, Status.CANCEL: Cancelled.exit_code}
 _PROGRESS_EVERY_S: Final = 0.1
 _LOOK_EVERY_S: Final = 0.05
-_SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP")
 
 
-def note(text: str, end: str = "\n") -> None:
-    """A line for people; that nobody reads it any more must not stop a machine."""
-    with suppress(OSError, ValueError):
-        print(text, end=end, file=sys.stderr, flush=True)
+class AfterMotion(FraeseError):
+    """What would have been a refusal, had the machine not moved before.
+
+    Args:
+        cause: what was raised.
+    """
+
+    def __init__(self, cause: FraeseError) -> None:
+        super().__init__(str(cause))
+        self.cause = cause
 
 
 class Session:
@@ -43,9 +49,10 @@ class Session:
     Args:
         plant: closed by ``finish``.
         as_json: result as one JSON object.
+        departure: ends the process in time after a signal; None: nobody does.
     """
 
-    def __init__(self, plant: Plant, *, as_json: bool) -> None:
+    def __init__(self, plant: Plant, *, as_json: bool, departure: Departure | None = None) -> None:
         self._plant = plant
         self._controller = plant.controller
         self._as_json = as_json
@@ -56,6 +63,8 @@ class Session:
         self._told = ""
         self._asked = ""
         self._may_raise = True
+        self._hurries = threading.Event()
+        self._departure = departure or Departure(leave=lambda code: None)
         self._controller.set_show_pos(self._progress)
         self._controller.set_break_key(self._answer)
         self._controller.set_tell(self._tell)
@@ -68,32 +77,51 @@ class Session:
         Raises:
             FraeseError: if the command is refused; the machine has not moved.
         """
-        with _interrupts(self._interrupt):
-            command(self._controller)
-            if self._controller.status is Status.RUN:
-                self._plant.save(moving=True)
-                self._may_raise = False
-            status = self._controller.run()
-            self._may_raise = False
-            state = self._controller.state()
-            self._blocks = state.job.blocks if state.job else 0
-            self._plant.close()
-        self._end_progress()
-        if self._plant.trace is not None:
-            note(self._plant.trace.waveform.sentence())
-        self._say_result(status, state)
-        return _EXIT_CODES[status]
+        with watched(self._interrupt, self._interrupt_main):
+            try:
+                status, state = self._carry_out(command)
+            except FraeseError as error:
+                if not any(self._controller.travelled_steps()):
+                    raise
+                raise AfterMotion(error) from error
+            code = _EXIT_CODES[status]
+            self._departure.machine_is_closed(code)
+            self._end_progress()
+            if self._plant.trace is not None:
+                note(self._plant.trace.waveform.sentence())
+            self._say_result(status, state)
+        return code
 
-    def _interrupt(self) -> None:
-        """Before anything moves the command is given up; then the job brakes."""
+    def _carry_out(self, command: Callable[[Controller], object]) -> tuple[Status, MachineState]:
+        """The job, to motors off and the state kept."""
+        command(self._controller)
+        if self._controller.status is Status.RUN:
+            self._plant.save(moving=True)
+            self._may_raise = False
+        status = self._controller.run()
+        self._may_raise = False
+        state = self._controller.state()
+        self._blocks = state.job.blocks if state.job else 0
+        self._plant.close()
+        return status, state
+
+    def _interrupt(self, number: int = 0) -> None:
+        """The job brakes; called in the thread that hears signals."""
+        self._hurries.set()
+        self._departure.hurry()
+        if not self._may_raise and self._controller.status is Status.RUN:
+            self._controller.cancel()
+
+    def _interrupt_main(self, number: int) -> None:
+        """Before anything moves the command is given up."""
         if self._may_raise:
             raise KeyboardInterrupt
-        self._controller.cancel()
+        self._interrupt()
 
     def _say_result(self, status: Status, state: MachineState) -> None:
         word = _STATUS_WORDS[status]
         if self._as_json:
-            print(json.dumps(self._result(word, state)))
+            result(json.dumps(self._result(word, state)), self._hurries.is_set)
             return
         if state.message != self._told:
             note(state.message)
@@ -101,7 +129,8 @@ class Session:
             note(f"Alarm {state.alarm.number}. {state.alarm.advice()}")
         where = self._controller.machine.in_words(state.work_mm)
         in_force = state.work.words()
-        print(f"{word}: {where}" + (f" ({in_force})" if in_force else ""))
+        sentence = f"{word}: {where}" + (f" ({in_force})" if in_force else "")
+        result(sentence, self._hurries.is_set)
 
     def _result(self, word: str, state: MachineState) -> dict[str, Any]:
         def by_axis(values: tuple[Any, ...]) -> dict[str, Any]:
@@ -170,11 +199,11 @@ class Session:
         elapsed = f"{job.elapsed_s:8.1f} s" if job else ""
         # A line that wraps could not be wiped any more.
         width = shutil.get_terminal_size().columns - 1
-        note("\r\x1b[K" + f"{line}{where}  {elapsed}"[:width], end="")
+        show_progress(f"{line}{where}  {elapsed}"[:width])
 
     def _end_progress(self) -> None:
         if self._shows_progress and self._shown_s:
-            note("\r\x1b[K", end="")
+            wipe_progress()
 
     def _tell(self, message: str) -> None:
         self._end_progress()
@@ -226,7 +255,7 @@ def watch_switches(controller: Controller, *, as_json: bool) -> int:
         return _look_once(controller, as_json=as_json)
     axes = [axis.name for axis in controller.machine.axes if axis.has_switches]
     if not axes:
-        print("This machine has no end switches.")
+        say("This machine has no end switches.")
         return 0
     test = SwitchTest(axes)
     shown = ""
@@ -236,11 +265,11 @@ def watch_switches(controller: Controller, *, as_json: bool) -> int:
         controller.idle(time.monotonic() - since_s)
         seen = test.look(controller.state().switch_closed)
         if seen:
-            print(f"\r\x1b[K{seen} seen")
+            tell(f"{seen} seen", over=True)
         if test.sentence() != shown:
             shown = test.sentence()
-            print(f"\r\x1b[K{shown} ", end="", flush=True)
-    print(f"\r\x1b[K{test.sentence()}")
+            tell(f"{shown} ", end="", over=True)
+    tell(test.sentence(), over=True)
     return 0
 
 
@@ -254,27 +283,11 @@ def _look_once(controller: Controller, *, as_json: bool) -> int:
             "ends": list(state.ends),
             "inputs": {str(pin): high for pin, high in state.inputs.items()},
         }
-        print(json.dumps(values))
+        say(json.dumps(values))
     else:
         pins = " ".join(f"{pin}:{'high' if high else 'low'}" for pin, high in state.inputs.items())
-        print(f"end switches {'closed' if state.switch_closed else 'open'}; pins {pins}")
+        say(f"end switches {'closed' if state.switch_closed else 'open'}; pins {pins}")
     return 0
-
-
-@contextmanager
-def _interrupts(cancel: Callable[[], None]) -> Iterator[None]:
-    """Signals cancel the job instead of killing the program."""
-
-    def on_signal(number: int, frame: FrameType | None) -> None:
-        cancel()
-
-    numbers = [getattr(signal, name) for name in _SIGNALS if hasattr(signal, name)]
-    before = [signal.signal(number, on_signal) for number in numbers]
-    try:
-        yield
-    finally:
-        for number, handler in zip(numbers, before, strict=True):
-            signal.signal(number, handler)
 
 
 def _alarm_result(error: FraeseError | None) -> dict[str, Any]:
@@ -282,11 +295,13 @@ def _alarm_result(error: FraeseError | None) -> dict[str, Any]:
 
 
 def refuse(error: FraeseError, *, as_json: bool) -> int:
-    """Say why nothing was done; the exit code."""
+    """Say why nothing was done, or no more was done; the exit code."""
+    words = {Cancelled: "cancelled", AfterMotion: "alarm"}
+    cause = error.cause if isinstance(error, AfterMotion) else error
     if as_json:
-        word = "cancelled" if isinstance(error, Cancelled) else "refused"
-        print(json.dumps({"status": word, "message": str(error), **_alarm_result(error)}))
+        word = words.get(type(error), "refused")
+        result(json.dumps({"status": word, "message": str(error), **_alarm_result(cause)}))
     note(f"fraese: {str(error).rstrip('.')}.")
-    if isinstance(error, Alarm):
-        note(f"Alarm {error.kind.number}. {error.kind.advice()}")
+    if isinstance(cause, Alarm):
+        note(f"Alarm {cause.kind.number}. {cause.kind.advice()}")
     return error.exit_code

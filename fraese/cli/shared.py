@@ -10,11 +10,10 @@ Rule 1: a command says which options it shares by the type of its parameter ``on
 Rule 2: a command leaves with an exit code; whatever is refused is one sentence, never a traceback.
 """
 
+import contextlib
 import dataclasses
 import functools
 import inspect
-import os
-import sys
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -25,10 +24,12 @@ import typer
 
 from fraese.assembly import Plant, assemble, state_folder
 from fraese.assembly.drivers import ClockName
-from fraese.cli.session import Session, note, refuse
+from fraese.cli.departure import Departure
+from fraese.cli.output import flush, note, settle
+from fraese.cli.session import Session, refuse
 from fraese.config import file as configuration
 from fraese.control.controller import Controller
-from fraese.errors import Cancelled, FraeseError
+from fraese.errors import Cancelled, FraeseError, OutputError
 from fraese.log import write
 
 ConfigOption = Annotated[
@@ -108,10 +109,12 @@ class Place:
 
         def go() -> int:
             plant = self.plant()
+            departure = Departure()
             try:
-                return Session(plant, as_json=self.as_json).do(action)
-            except BaseException:
+                return Session(plant, as_json=self.as_json, departure=departure).do(action)
+            except BaseException as error:
                 plant.close()
+                departure.machine_is_closed(_code_of(error))
                 if plant.trace is not None and not plant.trace.waveform.is_whole:
                     note(plant.trace.waveform.sentence())
                 raise
@@ -132,6 +135,13 @@ class Drive(StartingPlace):
 
     real_time: RealTimeOption = False
     trace: TraceOption = None
+
+
+def _code_of(error: BaseException) -> int:
+    """The exit code that it will lead to."""
+    if isinstance(error, KeyboardInterrupt | typer.Abort):
+        return Cancelled.exit_code
+    return error.exit_code if isinstance(error, FraeseError) else 1
 
 
 def with_options(function: Callable[..., None]) -> Callable[..., None]:
@@ -172,26 +182,29 @@ def leave(
         as_json: the sentence is a JSON object.
         cancelled: what is true if Ctrl-C ends it.
     """
-    code = 0
-    try:
-        code = _carried_out(action, as_json, cancelled)
-        sys.stdout.flush()
-    except BrokenPipeError:
-        # Whoever read the output has seen enough; what was done was done.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    code = _carried_out(action, as_json, cancelled)
+    with contextlib.suppress(KeyboardInterrupt):
+        settle()
     raise typer.Exit(code)
 
 
 def _carried_out(action: Callable[[], int], as_json: bool, cancelled: str) -> int:
     try:
-        return action()
+        code = action()
+        try:
+            flush()
+        except OutputError as error:
+            return code or refuse(error, as_json=False)
+        return code
     except FraeseError as error:
         return refuse(error, as_json=as_json)
     except (KeyboardInterrupt, typer.Abort):
         return refuse(Cancelled(cancelled), as_json=as_json)
     except BrokenPipeError:
-        raise
+        # Whoever read the output has seen enough; what was done was done.
+        return 0
     except Exception as error:
-        write("cli", action.__qualname__, "error", traceback.format_exc())
+        for line in traceback.format_exc().splitlines():
+            write("cli", action.__qualname__, "error", line)
         note(f"fraese: stopped by an error in the program itself: {error!r}.")
         return 1

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from fraese.cli.session import note
+from fraese.cli.output import note, say, write
 from fraese.cli.shared import JsonOption, leave
 from fraese.errors import TraceError, UsageError
+from fraese.plaintext import plain
 
 if TYPE_CHECKING:
     from fraese.waves.stretch import Seen, Stretch
@@ -86,7 +87,7 @@ def trace(
         stretch = Stretch(waveform, first, last, max(1, width - label - 1), named)
         shown = [stretch.seen[number] for number in chosen]
         if as_json:
-            print(json.dumps(_as_dict(stretch, shown)))
+            say(json.dumps(_as_dict(stretch, shown)))
         else:
             _show(stretch, shown, _drawn(shown, lines), label, width)
         return 0
@@ -216,29 +217,29 @@ def _show(
     glyphs = drawing.FINE if _can_print("".join(drawing.FINE)) else drawing.PLAIN
     unit_s = stretch.file.unit_s
     for line in drawing.tables(stretch, drawn, label, width):
-        print(line)
+        say(line)
     for line in drawing.set_ups(stretch, drawn, label, width):
-        print(line)
+        say(line)
     for line in drawing.still(stretch, [seen for seen in shown if seen not in drawn]):
-        print(_styled(line, dim=True))
+        write(_styled(line, dim=True) + "\n")
     # The picture comes last: it is what stays on a small screen.
-    print(
+    say(
         f"\n{stretch.file.path}: {times.moment(stretch.start * unit_s)} to"
         f" {times.moment(stretch.end * unit_s)};"
         f" a column is {times.length(stretch.span_s / stretch.width)}"
     )
     for seen in drawn:
         name, wave = drawing.row(seen, glyphs, label)
-        print(f"{_styled(name, bold=True)} {_styled(wave, fg='green')}")
+        write(f"{_styled(name, bold=True)} {_styled(wave, fg='green')}\n")
     for line in drawing.axis(stretch):
-        print(_styled(f"{'':{label}} {line}", dim=True))
+        write(_styled(f"{'':{label}} {line}", dim=True) + "\n")
     if sys.stdout.isatty() and drawing.is_dense(drawn):
         closer = f"{glyphs.many}: more edges than can be seen. Closer: --around TIME --span {_SPAN}"
-        print(_styled(closer, dim=True))
+        write(_styled(closer, dim=True) + "\n")
 
 
 def _styled(text: str, **style: Any) -> str:
-    return typer.style(text, **style) if sys.stdout.isatty() else text
+    return typer.style(plain(text), **style) if sys.stdout.isatty() else plain(text)
 
 
 def _can_print(text: str) -> bool:

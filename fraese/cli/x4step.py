@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from fraese import x4step
+from fraese.cli.output import say
 from fraese.cli.shared import leave
 from fraese.errors import UsageError
 
@@ -31,7 +32,7 @@ def flags(
             raise UsageError(
                 "Say --cflags, --libs or both, as in gcc prog.c $(fraese x4step --cflags --libs)."
             )
-        print(" ".join(words))
+        say(" ".join(words))
         return 0
 
     leave(go)

@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from fraese.assembly import assemble
-from fraese.cli.session import Session, note
+from fraese.cli.output import note
+from fraese.cli.session import Session
 from fraese.control.state import Status
 from tests.helpers import configured, program
 

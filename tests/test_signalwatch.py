@@ -1,0 +1,90 @@
+"""Signals are heard whatever the main thread waits for."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from fraese.signalwatch import ENDING, watched
+
+
+@pytest.fixture(autouse=True)
+def untouched() -> Iterator[None]:
+    before = [signal.getsignal(number) for number in ENDING]
+    yield
+    assert [signal.getsignal(number) for number in ENDING] == before
+    assert signal.set_wakeup_fd(-1) == -1
+
+
+def test_a_thread_acts_and_the_main_thread_may_raise() -> None:
+    heard: list[tuple[int, str]] = []
+    acted = threading.Event()
+
+    def act(number: int) -> None:
+        heard.append((number, threading.current_thread().name))
+        acted.set()
+
+    def give_up(number: int) -> None:
+        raise KeyboardInterrupt
+
+    with watched(act, give_up), pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGTERM)
+    assert acted.wait(10)
+    assert heard == [(signal.SIGTERM, "signals")]
+
+
+def test_elsewhere_nothing_changes() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    seen: list[object] = []
+
+    def go() -> None:
+        with watched(lambda number: None):
+            seen.append(signal.getsignal(signal.SIGINT))
+
+    thread = threading.Thread(target=go)
+    thread.start()
+    thread.join()
+    assert seen == [before]
+
+
+def test_a_storm_is_heard() -> None:
+    heard: list[int] = []
+    with watched(heard.append):
+        for number in ENDING * 200:
+            signal.raise_signal(number)
+    assert set(heard) == set(ENDING)
+
+
+BLOCKED = """
+import os, signal, sys, time
+from fraese.signalwatch import watched
+
+def act(number):
+    os.write(2, b"heard")
+    os._exit(7)
+
+read, write = os.pipe()
+with watched(act):
+    print("begun", flush=True)
+    while True:
+        # The terminal that nobody reads; a write that was interrupted is begun again.
+        os.write(write, b"x" * 100_000)
+"""
+
+
+@pytest.mark.parametrize("number", ENDING)
+def test_a_main_thread_that_waits_for_output_delays_nothing(number: int) -> None:
+    program = subprocess.Popen(
+        [sys.executable, "-c", BLOCKED], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    assert program.stdout is not None
+    assert program.stdout.readline() == b"begun\n"
+    time.sleep(0.05)
+    os.kill(program.pid, number)
+    _, said = program.communicate(timeout=20)
+    assert (program.returncode, said) == (7, b"heard")
