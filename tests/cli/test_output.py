@@ -72,7 +72,7 @@ def where_mm(folder: Path) -> dict[str, float]:
 BROKEN = [">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-", ">/dev/full", "2>/dev/full", "| true"]
 
 
-@pytest.mark.parametrize(("where", "as_json"), zip(BROKEN, cycle(["", "--json"]), strict=False))
+@pytest.mark.parametrize(("where", "as_json"), [*zip(BROKEN, cycle(["", "--json"]), strict=False)])
 def test_broken_output_changes_no_exit_code(shop: Path, where: str, as_json: str) -> None:
     exits = {"done": 0, "alarm": 2, "stream --stream": 1}
     for words, code in exits.items():
