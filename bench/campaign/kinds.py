@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from bench.campaign import signals
+from bench.campaign import bridge, signals
 from bench.campaign.frame import Kind
 
-KINDS: Final[tuple[Kind, ...]] = (*signals.KINDS,)
+KINDS: Final[tuple[Kind, ...]] = (*signals.KINDS, *bridge.KINDS)

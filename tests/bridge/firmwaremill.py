@@ -9,6 +9,8 @@ into the mill at its cycle; what the mill's switches say is on the pins a quarte
 later.
 """
 
+import math
+
 from fraese.errors import PortError
 from fraese.motor.bridge.driver import BridgeDriver
 from fraese.motor.clock import VirtualClock
@@ -105,7 +107,8 @@ class ChipLine:
 
     def read(self, timeout_s: float) -> bytes:
         self._require_plug()
-        until = self._chip.avr.cycle + round(timeout_s * CYCLES_PER_S)
+        # Rounded up: who waits for less than a cycle must not wait for ever.
+        until = self._chip.avr.cycle + math.ceil(timeout_s * CYCLES_PER_S)
         while True:
             data = self._chip.avr.take()
             left = until - self._chip.avr.cycle
