@@ -23,8 +23,10 @@ SHORTEST_CYCLES = 400
 LEAD_CYCLES = 1600
 #: From the directions to the first edge, with what is worked out meanwhile: 140 us.
 LONGEST_LEAD_CYCLES = 2240
-#: The first tick of a brake is worked out in its pause.
-THROTTLED_CYCLES = 2000
+#: Up to that rate the ticks of a brake are worked out in time,
+IN_TIME_HZ = (300, 2000)
+#: beyond it in their pauses, with divisions: half a millisecond at the most.
+THROTTLED_CYCLES = 8000
 RATES_HZ = (300, 20_000)
 
 
@@ -62,9 +64,21 @@ def test_a_path(block: Block) -> None:
 
 @pytest.mark.parametrize("urgent", [c.URGENT_BRAKE, c.URGENT_STOP])
 @_SLOW
-@given(block=paths(RATES_HZ), part=st.floats(0, 1))
+@given(block=paths(IN_TIME_HZ), part=st.floats(0, 1))
 def test_a_brake_or_a_stop_at_any_time(urgent: int, block: Block, part: float) -> None:
-    """Pulses are whole, and what is told of them is what was made."""
+    """Pauses and pulses are equal, in the brake too; what is told of them is what was made."""
+    assert_cut_short(urgent, block, part, longest=2)
+
+
+@pytest.mark.parametrize("urgent", [c.URGENT_BRAKE, c.URGENT_STOP])
+@_SLOW
+@given(block=paths(RATES_HZ), part=st.floats(0, 1))
+def test_a_brake_or_a_stop_at_any_rate(urgent: int, block: Block, part: float) -> None:
+    """Pulses are whole, no pause is too short."""
+    assert_cut_short(urgent, block, part, longest=THROTTLED_CYCLES)
+
+
+def assert_cut_short(urgent: int, block: Block, part: float, longest: int) -> None:
     device = device_for(clock_kind("x4step"))
     device.push([block])
     device.start()
@@ -72,7 +86,7 @@ def test_a_brake_or_a_stop_at_any_time(urgent: int, block: Block, part: float) -
     device.urgent(urgent)
     status = device.stand_still()
     waves = waves_of(device)
-    assert_pulses(waves, THROTTLED_CYCLES)
+    assert_pulses(waves, longest)
     leader = max(range(4), key=lambda motor: abs(block.steps[motor]))
     assert abs(waves.steps()[leader]) == status.place.done
 
