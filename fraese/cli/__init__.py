@@ -1,6 +1,7 @@
 """The command line: the composition root."""
 
 import sys
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,9 +10,11 @@ import typer
 
 from fraese.assembly import Plant
 from fraese.cli import alarms, bench, bridge, doctor, files, motion, ports, scancodes, trace, x4step
+from fraese.cli.departure import Closing, Departure, in_background, left_at_once
 from fraese.cli.output import note, open_standard_files
+from fraese.cli.session import AfterMotion
 from fraese.cli.shared import ConfigOption, Drive, FreshOption, StateOption, TraceOption, leave
-from fraese.errors import UsageError
+from fraese.errors import FraeseError, UsageError
 from fraese.program import open_program
 from fraese.program.kept import KeptPrograms
 
@@ -70,7 +73,12 @@ def start(
     leave(go)
 
 
-def _make_app(plant: Plant, program: Path | None, kept: KeptPrograms | None = None) -> "FraeseApp":
+def _make_app(
+    plant: Plant,
+    program: Path | None,
+    kept: KeptPrograms | None = None,
+    leaving: Callable[[int], object] | None = None,
+) -> "FraeseApp":
     # Textual takes a quarter of a second to import; headless commands do not pay for it.
     from fraese.ui.app import FraeseApp
 
@@ -82,19 +90,51 @@ def _make_app(plant: Plant, program: Path | None, kept: KeptPrograms | None = No
         program=program,
         machine_name=plant.machine_name,
         hand=plant.press if plant.is_simulated else None,
+        leaving=leaving,
     )
 
 
 def _run_app(plant: Plant, program: Path | None, kept: KeptPrograms) -> int:
+    """The app, to its end; the exit code."""
+    departure = Departure(leave=left_at_once(sys.stdin.fileno()))
+    ui: FraeseApp | None = None
+
+    def close() -> None:
+        try:
+            if ui is not None:
+                ui.link.close()
+        finally:
+            plant.close()
+
+    closing = Closing(close)
+
+    def leaving(code: int) -> None:
+        """The machine does not wait for the picture, nor for whoever should look at it."""
+        departure.hurry()
+        in_background(lambda: departure.machine_is_closed(closing.code(code)), "way out")
+
     try:
-        ui = _make_app(plant, program, kept)
+        ui = _make_app(plant, program, kept, leaving)
         ui.run()
     finally:
-        plant.close()
+        _close_moved(plant, closing)
         if plant.trace is not None:
             note(plant.trace.waveform.sentence())
-    # After a signal it says which.
-    return ui.return_code or 0
+    return ui.exit_code
+
+
+def _close_moved(plant: Plant, closing: Closing) -> None:
+    """Close; what fails then is no refusal if the machine has moved.
+
+    Raises:
+        FraeseError: if it cannot be closed, or its state not be kept.
+    """
+    try:
+        closing()
+    except FraeseError as error:
+        if any(plant.controller.travelled_steps()):
+            raise AfterMotion(error) from error
+        raise
 
 
 def main() -> None:

@@ -69,21 +69,52 @@ class Closing:
     """Closes something once; whoever comes while it is being closed waits.
 
     Args:
-        close: called once. What it raises, the first caller gets.
+        close: called once. What it raises, everybody gets.
     """
 
     def __init__(self, close: Callable[[], object]) -> None:
         self._close = close
         self._lock = threading.Lock()
         self._is_closed = False
+        self._failure: Exception | None = None
 
     def __call__(self) -> None:
         """Close it, or wait until it is closed."""
         with self._lock:
-            if self._is_closed:
-                return
-            self._is_closed = True
-            self._close()
+            if not self._is_closed:
+                self._is_closed = True
+                try:
+                    self._close()
+                except Exception as error:
+                    self._failure = error
+        if self._failure is not None:
+            raise self._failure
+
+    def code(self, code: int) -> int:
+        """Close it; this exit code, or another if that failed."""
+        try:
+            self()
+        except Exception:
+            return code or 1
+        return code
+
+
+def left_at_once(fd: int) -> Callable[[int], None]:
+    """What ends the process with an exit code; the terminal is in the mode that it has now."""
+    attributes = None
+    with contextlib.suppress(ImportError, OSError, ValueError):
+        import termios
+
+        with contextlib.suppress(termios.error):
+            attributes = termios.tcgetattr(fd)
+
+    def leave(code: int) -> None:
+        if attributes is not None:
+            with contextlib.suppress(OSError, termios.error):
+                termios.tcsetattr(fd, termios.TCSANOW, attributes)
+        os._exit(code)
+
+    return leave
 
 
 def in_background(action: Callable[[], object], name: str) -> None:

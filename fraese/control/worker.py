@@ -56,6 +56,7 @@ class Worker:
         self._cancelled = False
         self._trouble = ""
         self._quit = False
+        self._closing = threading.Lock()
         self._closed = False
         self._thread = threading.Thread(target=self._loop, name="machine", daemon=True)
 
@@ -98,16 +99,21 @@ class Worker:
             self._controller.stop()
 
     def close(self) -> None:
-        """Cancel what runs, wait for standstill, motors off. Safe to call twice."""
-        with self._news:
+        """Cancel what runs, wait for standstill, motors off.
+
+        Safe to call twice, also at once from two threads: both come back when it is closed.
+        """
+        with self._closing:
             if self._closed:
                 return
-            self._closed = self._quit = True
-            self._news.notify()
-        self.cancel()
-        if self._thread.is_alive():
-            self._thread.join(timeout=10)
-        self._controller.close()
+            self._closed = True
+            with self._news:
+                self._quit = True
+                self._news.notify()
+            self.cancel()
+            if self._thread.is_alive():
+                self._thread.join(timeout=10)
+            self._controller.close()
 
     def _forget(self) -> None:
         with self._news:

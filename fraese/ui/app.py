@@ -8,6 +8,7 @@ Rule 3: however the app ends, the link is closed: the motors are off.
 
 import asyncio
 import contextlib
+import contextvars
 import gc
 import math
 import os
@@ -19,6 +20,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
+from rich.console import RenderableType
 from textual import events
 from textual.actions import SkipAction
 from textual.app import App, SystemCommand
@@ -27,6 +29,8 @@ from textual.screen import Screen
 
 from fraese.control.controller import Controller
 from fraese.control.state import MachineState, Status
+from fraese.plaintext import plain
+from fraese.signalwatch import watched
 from fraese.ui.bindings import bind
 from fraese.ui.dialogs.page import LivePage
 from fraese.ui.dialogs.switches import Hand
@@ -64,6 +68,7 @@ class FraeseApp(App[None]):
         program: file to open at the start.
         machine_name: which machine is driven, such as "simulated mill"; shown in the title.
         hand: presses (True) or lets go of (False) an end switch of a simulated machine, by name.
+        leaving: told, from any thread, that the app begins to leave, and with which exit code.
         views: the table of views; the first is there at the start.
 
     Attributes:
@@ -85,11 +90,16 @@ class FraeseApp(App[None]):
         program: Path | None = None,
         machine_name: str = "",
         hand: Hand | None = None,
+        leaving: Callable[[int], object] | None = None,
         views: Mapping[str, type[View]] = VIEWS,
     ) -> None:
         self.link = MachineLink(controller, self.post_message, before_motion)
         self._early_stop = EarlyStop(STOP_KEYS, self.link.brake_or_stop)
         self._heard: Heard | None = None
+        self._leaving = leaving or (lambda code: None)
+        self._has_crashed = False
+        self._in_app: Callable[[Callable[[], object]], object] = lambda action: None
+        self._on_its_way = 0
         super().__init__()
         self._keys = KeyTable(self.link.shape)
         self._repeats = RepeatRule()
@@ -129,28 +139,54 @@ class FraeseApp(App[None]):
 
     async def run_async(self, **options: Any) -> None:
         """As Textual's; on every way out the motors are off."""
-        loop = asyncio.get_running_loop()
-        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-            number = getattr(signal, name, None)
-            # Where there are no such signals, closing the window ends the process otherwise.
-            with contextlib.suppress(NotImplementedError):
-                if number is not None:
-                    loop.add_signal_handler(number, self._leave_by_signal, number)
-        try:
-            await super().run_async(**options)
-        finally:
-            self.link.close()
-            self._programs.close()
+        loop, context = asyncio.get_running_loop(), contextvars.copy_context()
+
+        def in_app(action: Callable[[], object]) -> None:
+            # Once the app has ended there is nobody to tell.
+            with contextlib.suppress(RuntimeError):
+                loop.call_soon_threadsafe(action, context=context)
+
+        self._in_app = in_app
+        with watched(self._leave_by_signal):
+            try:
+                await super().run_async(**options)
+            finally:
+                self.link.close()
+                self._programs.close()
 
     def _see_terminal(self) -> None:
         """A terminal that went away without a signal: nobody can press the stop key any more."""
         if not os.isatty(sys.__stdin__.fileno() if sys.__stdin__ else 0):
-            self._leave_by_signal(signal.SIGTERM)
+            self.terminal_is_gone()
+
+    def terminal_is_gone(self) -> None:
+        """The same, from any thread."""
+        self._leave_by_signal(signal.SIGTERM)
 
     def _leave_by_signal(self, number: int) -> None:
-        """The terminal may be gone already: first the machine, then the picture."""
+        """First the machine, then the picture; from any thread, whatever the app's waits for."""
         self.link.brake()
-        self.exit(return_code=128 + number)
+        self._leaving(128 + number)
+        self._in_app(partial(self.exit, return_code=128 + number))
+
+    def exit(
+        self, result: None = None, return_code: int = 0, message: RenderableType | None = None
+    ) -> None:
+        """Leave; whoever ends the process is told."""
+        self._leaving(return_code)
+        super().exit(result, return_code, message)
+
+    def panic(self, *renderables: RenderableType) -> None:
+        """Something in the app itself failed: first the machine."""
+        self._has_crashed = True
+        self.link.brake()
+        self._leaving(1)
+        super().panic(*renderables)
+
+    @property
+    def exit_code(self) -> int:
+        """Of the process, when the app has ended: never 0 after a crash."""
+        return 1 if self._has_crashed else self.return_code or 0
 
     @property
     def busy(self) -> bool:
@@ -168,7 +204,34 @@ class FraeseApp(App[None]):
 
     def get_driver_class(self) -> type[Driver]:
         """The terminal's, which tells of stop keys first."""
-        return self._early_stop.driver(super().get_driver_class())
+        driver = super().get_driver_class()
+        if driver.__name__ == "LinuxDriver":
+            # Only there: it takes what only Unix has.
+            from fraese.ui.terminal import Terminal
+
+            driver = Terminal
+        return self._early_stop.driver(driver)
+
+    def backlog(self) -> int:
+        """So many things that were typed wait to be done; from any thread."""
+        return self._on_its_way + sum(each.message_queue_size for each in self.screen_stack[-1:])
+
+    def hears(self) -> None:
+        """One more was typed; from the terminal's thread."""
+        self._on_its_way += 1
+        self._in_app(self._has_heard)
+
+    def _has_heard(self) -> None:
+        # What was typed lies in the queue now, behind this.
+        self._on_its_way = max(0, self._on_its_way - 1)
+
+    def draw_all(self) -> None:
+        """The terminal is read again, and has not seen all; from any thread."""
+        self._in_app(self.refresh)
+
+    def notify(self, message: str, *, title: str = "", **options: Any) -> None:
+        """As Textual's, made plain."""
+        super().notify(plain(message), title=plain(title), **options)
 
     async def on_event(self, event: events.Event) -> None:
         """Let the repeat rule see every key before anything happens.

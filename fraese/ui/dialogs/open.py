@@ -4,10 +4,13 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
+from rich.text import Text, TextType
 from textual import on
 from textual.app import ComposeResult
+from textual.strip import Strip
 from textual.widgets import DirectoryTree, Input
 
+from fraese.plaintext import dotted, plain
 from fraese.ui.dialogs.dialog import Dialog
 from fraese.ui.keys import Area, KeyTable
 
@@ -22,6 +25,19 @@ class FileTree(DirectoryTree):
     def filter_paths(self, paths: Iterable[Path]) -> Iterable[Path]:
         """Leave out what is hidden."""
         return [path for path in paths if not path.name.startswith(".")]
+
+    def process_label(self, label: TextType) -> Text:
+        """A name is shown, and not obeyed."""
+        return Text(plain(str(label)))
+
+
+class PathInput(Input):
+    """Takes any path, and shows it with dots for what must not reach the terminal."""
+
+    def render_line(self, y: int) -> Strip:
+        """One line of the screen."""
+        strip = super().render_line(y)
+        return Strip([segment._replace(text=dotted(segment.text)) for segment in strip])
 
 
 class OpenDialog(Dialog[Path]):
@@ -44,7 +60,7 @@ class OpenDialog(Dialog[Path]):
 
     def inner(self) -> ComposeResult:
         """Input and tree."""
-        yield Input(self._path, placeholder="path of a program file", id="file")
+        yield PathInput(self._path, placeholder="path of a program file", id="file")
         yield FileTree(self._folder, id="tree")
 
     @on(DirectoryTree.FileSelected)

@@ -1,6 +1,8 @@
-"""A text that is drawn when it changes, and only then."""
+"""A text that is drawn when it changes, and only then. Foreign text is made plain."""
 
 from textual.widgets import Digits, Static
+
+from fraese.plaintext import plain
 
 
 class Fact(Static):
@@ -19,7 +21,7 @@ class Fact(Static):
         id: str | None = None,  # noqa: A002
         classes: str | None = None,
     ) -> None:
-        super().__init__(text, id=id, classes=classes, markup=False)
+        super().__init__(plain(text), id=id, classes=classes, markup=False)
         self._text = text
         self._tone = ""
 
@@ -27,7 +29,7 @@ class Fact(Static):
         """These words, in this tone: a CSS class such as "-alarm", or none."""
         if text != self._text:
             self._text = text
-            self.update(text, layout=self.flows)
+            self.update(plain(text), layout=self.flows)
         if tone != self._tone:
             before, self._tone = self._tone, tone
             self.set_classes((self.classes - {before}) | ({tone} if tone else set()))

@@ -7,6 +7,7 @@ from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
+from fraese.plaintext import dotted
 from fraese.ui.keys import said
 
 _NONE = f"No program: press {said('open')} to open one."
@@ -75,10 +76,6 @@ class PathView(ScrollView, can_focus=False):
         return Strip(
             [
                 Segment(f"{'▶' if current else ' '}{index + 1:>6} ", number),
-                Segment(text.translate(_VISIBLE), style),
+                Segment(dotted(text), style),
             ]
         ).adjust_cell_length(width, style)
-
-
-#: Control characters in a file must not reach the terminal.
-_VISIBLE = dict.fromkeys([*range(32), *range(127, 160)], "·")
