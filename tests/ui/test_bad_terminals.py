@@ -2,7 +2,7 @@
 
 import os
 import random
-import re
+import select
 import signal
 import sys
 import threading
@@ -209,10 +209,10 @@ def test_a_paste_without_an_end_swallows_no_stop_key(tmp_path: Path) -> None:
 
 
 PIECES = [
-    b"\x1b[", b"\x1b", b"\x1bO", b"\x1b[<", b"\x1b[200~", b"\x1b[201~", b"\x1b]0;", b"\x1bP", b"\x9b",
-    b"\x1b[M", b"\x1b[?2026;", b"\x1b[?2048;", b"\x1b[48;", b";", b"M", b"t", b"u", b"~", b"$y", b"R",
-    RIGHT, b"\x1b[D", b"\x1b[A", b"\x1b[5~", b"\r", b"\t", b"\x7f", b"\x00", b"\xff", b"\xe6\xbc",
-    b"\xed\xa0\x80", b"1", b"5", b"g", b"o", b"h", b"s", b"z", b"?", b"x", b"0", b"v",
+    b"\x1b[", b"\x1b", b"\x1bO", b"\x1b[<", b"\x1b[200~", b"\x1b[201~", b"\x1b]0;", b"\x1bP",
+    b"\x9b", b"\x1b[M", b"\x1b[?2026;", b"\x1b[?2048;", b"\x1b[48;", b";", b"M", b"t", b"u", b"~",
+    b"$y", b"R", RIGHT, b"\x1b[D", b"\x1b[A", b"\x1b[5~", b"\r", b"\t", b"\x7f", b"\x00", b"\xff",
+    b"\xe6\xbc", b"\xed\xa0\x80", b"1", b"5", b"g", b"o", b"h", b"s", b"z", b"?", b"x", b"0", b"v",
 ]  # fmt: skip
 
 
@@ -284,7 +284,7 @@ def test_a_crash_is_never_0(tmp_path: Path, reading: bool) -> None:
 
 
 HOSTILE = "\x1b]0;owned\x07\x1b]52;c;aGk=\x1b\\\x9b2J\u202egnp"
-COMMANDS = (b"]0;owned\x07", b"]52;c", b"\xc2\x9b", "\u202e".encode())
+COMMANDS = (b"\x1b]0;", b"owned\x07", b"\x1b]52", b"\xc2\x9b", "\u202e".encode())
 
 
 def test_nothing_foreign_reaches_the_terminal(tmp_path: Path) -> None:
@@ -307,8 +307,7 @@ def test_nothing_foreign_reaches_the_terminal(tmp_path: Path) -> None:
         seen += pty.drawn
     assert b"\\u202e" in seen
     for raw in COMMANDS:
-        # Colours and places are ours; what we draw ends no sequence of these kinds.
-        assert not re.search(b"\x1b?" + re.escape(raw), seen.replace(b"\x1b]22;default\x07", b""))
+        assert raw not in seen
 
 
 # --- what writes ---------------------------------------------------------------------------------
@@ -323,7 +322,7 @@ def test_a_reader_that_stops_delays_no_writer() -> None:
         writer.write(f"{number:04} " + "x" * 1000)
     assert time.monotonic() - begun_s < 5
     seen = b""
-    while not caught_up.is_set():
+    while not caught_up.is_set() or select.select([read], [], [], 0)[0]:
         seen += os.read(read, 65536)
     # In order, whole, and not all of it.
     numbers = [int(piece[:4]) for piece in seen.replace(b"x" * 1000, b"\n").split(b"\n") if piece]
