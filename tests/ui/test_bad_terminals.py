@@ -50,10 +50,10 @@ def app(
 
 
 @contextmanager
-def jogging(folder: Path, **options: str) -> Iterator[Pty]:
+def jogging(folder: Path) -> Iterator[Pty]:
     """On a way of 10 mm, slow enough that it takes many seconds."""
     (folder / "fraese.toml").write_text("[jog]\nfeed_mm_min = 30\n")
-    with app(folder, **options) as pty:
+    with app(folder) as pty:
         pty.read_until(b"palette")
         pty.type(b"5")
         pty.type(RIGHT)
