@@ -5,9 +5,12 @@ port itself, and says in the shared memory how far it came.
 
 Rule 1: on every way out the motors are off and the port is given back: told to, host dead, signal,
         error. Only a ``kill -9`` is left to the host.
-Rule 2: it is in a session of its own, so Ctrl-C in the terminal is none of its business.
+Rule 2: then it leaves its last words, if it was told where: a host that was killed is followed by
+        one that can know the place to the step.
+Rule 3: it is in a session of its own, so Ctrl-C in the terminal is none of its business.
 """
 
+import contextlib
 import pickle
 import signal
 import sys
@@ -19,12 +22,13 @@ from fraese.motor.core import MotorCore
 from fraese.motor.realtime.chores import Chores
 from fraese.motor.realtime.clock import Nobody, RealtimeClock
 from fraese.motor.realtime.hostline import HostLine
+from fraese.motor.realtime.lastwords import LastWords, leave
 from fraese.motor.realtime.memory import ENDED, FAILED, FAILED_LIVE, READY, STAGE, Memory
 from fraese.motor.realtime.meter import MeteredPort
 from fraese.motor.realtime.player import DOZE_S, Player
 from fraese.motor.realtime.setup import Setup
 from fraese.motor.realtime.system import prepare
-from fraese.motor.seams import Port
+from fraese.motor.seams import Ended, Port
 
 _SIGNALS: Final = (signal.SIGTERM, signal.SIGHUP)
 
@@ -51,14 +55,35 @@ def main(memory_fd: int, samples: int, host_fd: int = 0) -> int:
         failure = error
     # What comes now is for the port alone.
     clock.attendant = Nobody()
+    ended = core.run.ended
     try:
         core.close()
     except BaseException as error:
         return _fail(memory, FAILED_LIVE, failure or error)
     if failure is not None:
         return _fail(memory, FAILED, failure)
+    _leave_words(setup, core, ended)
     memory.words[STAGE] = ENDED
     return 0
+
+
+def _leave_words(setup: Setup, core: MotorCore, ended: Ended) -> None:
+    """Nobody may be there any more to whom the last report could be of use."""
+    to, track = setup.last_words, core.run.track
+    if to is None:
+        return
+    counts = track.position_steps()
+    base = to.base_steps or (0,) * len(counts)
+    words = LastWords(
+        token=to.token,
+        position_steps=tuple(a + b for a, b in zip(base, counts, strict=True)),
+        phases=tuple(core.card.phases()),
+        torn=track.torn,
+        ended=ended,
+    )
+    # A disk that fails must not keep the process from ending.
+    with contextlib.suppress(OSError):
+        leave(to.fd, words)
 
 
 def _core(setup: Setup, clock: RealtimeClock, memory: Memory) -> MotorCore:

@@ -192,13 +192,20 @@ class RealtimeDriver:
         died = self._session
         last = self._report(died.look())
         self._setup.card.set_phases(last.phases)
-        session = Session(self._setup)
+        session = Session(self._going_on(last.position_steps))
         self._before = last
         self._pushed_before += died.pushed
         self._session = session
         if self._override_q8:
             session.wish(OVERRIDE, self._override_q8)
         session.command(mailbox.SWITCH_MODE, mailbox.SWITCH_MODES.index(self._mode))
+
+    def _going_on(self, base_steps: tuple[int, ...]) -> Setup:
+        """For a child that counts from there."""
+        words = self._setup.last_words
+        if words is None:
+            return self._setup
+        return replace(self._setup, last_words=replace(words, base_steps=base_steps))
 
     def _report(self, told: Told) -> Report:
         """With what is on its way, and what was before this child's life."""

@@ -126,7 +126,7 @@ class ChildProcess:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             bufsize=0,
-            pass_fds=(fd, *self._setup.inherited),
+            pass_fds=(fd, *self._setup.kept_fds()),
             start_new_session=True,
             env=environment(),
         )

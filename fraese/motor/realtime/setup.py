@@ -59,6 +59,21 @@ class Meter:
 
 
 @dataclass(frozen=True, slots=True)
+class WordsTo:
+    """Where a step process leaves its last words.
+
+    Attributes:
+        fd: of a file of the host's; the child has it under the same number.
+        token: of the session, 16 bytes.
+        base_steps: what the counts of this child are added to; empty: it is the first one.
+    """
+
+    fd: int
+    token: bytes
+    base_steps: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Setup:
     """Everything the child needs; the arguments of ``MotorCore``, and how to open the port."""
 
@@ -70,8 +85,14 @@ class Setup:
     safe_outputs: int = 0
     options: RealtimeOptions = field(default_factory=RealtimeOptions)
     meter: Meter | None = None
-    #: File descriptors that the child keeps, under the same numbers.
+    #: File descriptors that the child keeps, under the same numbers: a lock, say.
     inherited: tuple[int, ...] = ()
+    #: Where the child leaves its last words (``lastwords.py``); None: nowhere.
+    last_words: WordsTo | None = None
+
+    def kept_fds(self) -> tuple[int, ...]:
+        """All file descriptors that the child keeps."""
+        return self.inherited + ((self.last_words.fd,) if self.last_words else ())
 
     def gap_s(self) -> float:
         """Shortest wait at the highest rate: with clock lines there are two waits a tick."""
