@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from bench.campaign import bridge, signals
+from bench.campaign import bridge, signals, terminals
 from bench.campaign.frame import Kind
 
-KINDS: Final[tuple[Kind, ...]] = (*signals.KINDS, *bridge.KINDS)
+KINDS: Final[tuple[Kind, ...]] = (*signals.KINDS, *terminals.KINDS, *bridge.KINDS)
