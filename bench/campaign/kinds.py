@@ -2,7 +2,12 @@
 
 from typing import Final
 
-from bench.campaign import bridge, signals, terminals
+from bench.campaign import bridge, lastwords, signals, terminals
 from bench.campaign.frame import Kind
 
-KINDS: Final[tuple[Kind, ...]] = (*signals.KINDS, *terminals.KINDS, *bridge.KINDS)
+KINDS: Final[tuple[Kind, ...]] = (
+    *signals.KINDS,
+    *lastwords.KINDS,
+    *terminals.KINDS,
+    *bridge.KINDS,
+)

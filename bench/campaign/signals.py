@@ -127,7 +127,7 @@ def _finish(command: "subprocess.Popen[str]") -> None:
     assert "Traceback" not in noted, noted
 
 
-def _missing() -> str:
+def fake_port_missing() -> str:
     """Why there is no fake port; if there is one, it is built once, before all attempts."""
     why = missing()
     if not why:
@@ -148,7 +148,7 @@ def _rows() -> list[Kind]:
         )
         for number in numbers
     ]
-    return [Kind(name, _MEASURES, attempt, missing=_missing) for name, attempt in rows]
+    return [Kind(name, _MEASURES, attempt, missing=fake_port_missing) for name, attempt in rows]
 
 
 KINDS: Final = tuple(_rows())
