@@ -3,9 +3,9 @@
 Tests speak physics: jog, home, press a switch, look where the carriage is.
 """
 
+import json
 import tempfile
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +13,8 @@ from fraese.assembly import Plant, assemble
 from fraese.config import Config
 from fraese.config.file import from_table
 from fraese.control.controller import Controller
-from fraese.control.savedstate import STATE_FILE
 from fraese.control.state import Status
+from fraese.journal import Journal, machine_file
 from fraese.motor.ports.recorder import Recorder
 from fraese.motor.ports.sim import Sight, SimulatedMill
 from fraese.motor.seams import End
@@ -84,22 +84,42 @@ def end(name: str) -> End:
 
 
 #: What a machine kept after its reference run, by configuration: one run is enough for all tests.
-_REFERENCED: dict[str, str] = {}
+_REFERENCED: dict[str, bytes] = {}
 
 
 def homed(**sections: Any) -> Plant:
-    """A machine after its reference run."""
+    """A machine after its reference run; what it does is not kept."""
     config, key = configured(**sections), repr(sections)
     with tempfile.TemporaryDirectory() as folder:
-        kept = Path(folder) / STATE_FILE
+        journal = machine_file(Path(folder), "simulation", "")
         if key not in _REFERENCED:
             made = assemble(config, state=Path(folder))
             made.controller.home()
             assert made.controller.run() is Status.OK, made.controller.state().message
-            made.save()
-            _REFERENCED[key] = kept.read_text("utf-8")
-        kept.write_text(_REFERENCED[key], "utf-8")
-        return replace(assemble(config, state=Path(folder)), state_file=None)
+            made.close()
+            _REFERENCED[key] = journal.read_bytes()
+        journal.write_bytes(_REFERENCED[key])
+        return assemble(config, state=Path(folder), at_desk=True)
+
+
+def crash(plant: Plant) -> None:
+    """The program ends without another word; what it wrote is on the disk."""
+    keeping = plant.keeping
+    assert keeping is not None
+    keeping.close()
+
+
+def kept(folder: Path) -> dict[str, Any]:
+    """The record in force of the simulated mill; empty: there is none."""
+    found = Journal(machine_file(folder, "simulation", "")).read()
+    return json.loads(found.payload) if found else {}
+
+
+def keep(folder: Path, values: dict[str, Any]) -> None:
+    """Put another record down."""
+    journal = Journal(machine_file(folder, "simulation", ""))
+    journal.read()
+    journal.write(json.dumps(values).encode())
 
 
 def after_slices(controller: Controller, number: int, *actions: Callable[[], object]) -> list[int]:

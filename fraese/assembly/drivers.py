@@ -52,6 +52,7 @@ class Order:
         clock: for a simulated mill, how its time passes.
         kept: how a simulated mill was left.
         trace: a waveform that is wanted; None: none is.
+        lock: descriptor that says who drives the machine, for a process that makes the steps.
     """
 
     config: Config
@@ -59,6 +60,7 @@ class Order:
     clock: ClockName
     kept: SavedState | None
     trace: Wanted | None = None
+    lock: int | None = None
 
     @property
     def switch(self) -> SwitchInput:
@@ -141,6 +143,7 @@ def _in_real_time(order: Order) -> Made:
         settle_s=order.settle_s,
         safe_outputs=order.safe_outputs,
         options=realtime_options(order.config),
+        inherited=() if order.lock is None else (order.lock,),
     )
     driver, trace = real_time_driver(setup, order.trace)
     return on_metal(driver, MonotonicClock(), trace)

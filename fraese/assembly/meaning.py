@@ -30,6 +30,13 @@ def meaning(config: Config, machine: Machine) -> tuple[str, ...]:
     return tuple(f"{word}{_ON}{true.in_words}" for word, true in zip(words, trues, strict=True))
 
 
+def fits_old(kept: SavedState, config: Config, machine: Machine) -> bool:
+    """Whether a file that any machine may have written is of this one, or of one like it."""
+    words = tuple(word.partition(_ON)[0] for word in kept.axes)
+    is_simulated = config.port.kind == "simulation"
+    return words == _of_axes(config, machine) and bool(kept.simulation) == is_simulated
+
+
 def still_meant(
     kept: SavedState, config: Config, machine: Machine
 ) -> tuple[SavedState | None, str]:

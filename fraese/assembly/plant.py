@@ -4,25 +4,34 @@ Drivers with their ports and clocks have their table in ``drivers.py``, cards in
 the simulated mill its own in ``simulation.py``.
 """
 
+import secrets
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final, NamedTuple
 
 import platformdirs
 
 from fraese.assembly.cards import CARDS
-from fraese.assembly.drivers import DRIVERS, ClockName, Order
-from fraese.assembly.meaning import meaning, still_meant
+from fraese.assembly.drivers import DRIVERS, ClockName, Made, Order
+from fraese.assembly.keeping import Keeping, closed_on_failure
+from fraese.assembly.meaning import meaning
 from fraese.assembly.misfits import misfits
 from fraese.assembly.onlooker import MillOnlooker
-from fraese.assembly.tracing import Trace, wanted
+from fraese.assembly.tracing import Trace, Wanted, wanted
 from fraese.config import Config
 from fraese.control.controller import Controller
-from fraese.control.savedstate import StateFile
+from fraese.control.recorder import JournalRecorder, Recorder
+from fraese.control.savedstate import SavedState
 from fraese.log import LogFile
 from fraese.machine import Machine
 from fraese.motor.awake import Awake
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import Clock
+
+_NOBODY: Final = Recorder()
+#: A run loop that looks at its driver so often is late by no more than this.
+_SLICES_S: Final = 0.1
 
 
 @dataclass(frozen=True)
@@ -33,23 +42,25 @@ class Plant:
         controller: what a person or program commands.
         clock: its time.
         port: the simulated mill, which can be asked and told things; None: there is metal.
-        state_file: where its state is kept; None: nowhere.
+        keeping: where its state is kept; None: nowhere, or it is only looked at.
         config: what it was made from.
         notes: what a person should know from the start.
         awake: keeps the computer from sleeping until all is closed; None: it may sleep.
         onlooker: sees the simulated mill in the machine's coordinates; None: there is metal.
         trace: a waveform in the making; None: none was asked for.
+        recorder: says there what the machine does.
     """
 
     controller: Controller
     clock: Clock
     port: SimulatedMill | None
-    state_file: StateFile | None
+    keeping: Keeping | None
     config: Config
     notes: tuple[str, ...] = ()
     awake: Awake | None = None
     onlooker: MillOnlooker | None = None
     trace: Trace | None = None
+    recorder: Recorder = _NOBODY
 
     @property
     def is_simulated(self) -> bool:
@@ -68,34 +79,24 @@ class Plant:
         end = self.onlooker.end(end_name)
         (self.port.press if pressed else self.port.let_go)(end)
 
-    def save(self, *, moving: bool = False) -> None:
-        """Keep the state; ``moving`` before motion, so that a crash is noticed.
+    def close(self) -> None:
+        """Motors off, state kept, port given back.
 
         Raises:
-            ConfigError: if it cannot be written.
+            ConfigError: if the state cannot be written.
         """
-        if self.state_file is None:
-            return
-        simulation: tuple[tuple[float, float, float, float], ...] = ()
-        if self.port is not None:
-            simulation = tuple((*state,) for state in self.port.states())
-        also = {
-            "simulation": simulation,
-            "moving": moving,
-            "axes": meaning(self.config, self.controller.machine),
-        }
-        self.state_file.save(self.controller.keep().model_copy(update=also))
-
-    def close(self) -> None:
-        """Motors off, state kept, port given back."""
         try:
             self.controller.close()
-            self.save()
         finally:
-            if self.trace is not None:
-                self.trace.close()
-            if self.awake is not None:
-                self.awake.let_go()
+            try:
+                self.recorder.close()
+            finally:
+                if self.keeping is not None:
+                    self.keeping.close()
+                if self.trace is not None:
+                    self.trace.close()
+                if self.awake is not None:
+                    self.awake.let_go()
 
 
 def state_folder() -> Path:
@@ -119,31 +120,74 @@ def assemble(
         clock: of a simulated mill: virtual for speed, paced where a person watches.
         state: folder in which the state is kept; None: it is not kept.
         fresh: forget what was kept.
-        at_desk: nothing is to move: a simulated mill will do, metal is left alone.
+        at_desk: nothing is to move or to be written: a simulated mill will do, metal is left
+            alone, and another program may drive it.
         trace: a waveform file to be written; None: none is.
 
     Raises:
         TraceError: if the waveform file cannot be written.
         ConfigError: if the configuration cannot be built, or the kept state is damaged.
+        BusyError: if another program drives the machine.
         PortError: if the port cannot be opened.
     """
     machine = Machine.from_config(config)
+    kept = _what_is_kept(config, machine, state, fresh=fresh, at_desk=at_desk)
+    with closed_on_failure(kept.keeping):
+        return _put_together(config, machine, kept, clock, wanted(config, trace), state)
+
+
+class _Kept(NamedTuple):
+    """Of an earlier start."""
+
+    keeping: Keeping | None
+    state: SavedState | None
+    notes: list[str]
+    at_desk: bool
+
+
+def _what_is_kept(
+    config: Config, machine: Machine, folder: Path | None, *, fresh: bool, at_desk: bool
+) -> _Kept:
+    if folder is None:
+        return _Kept(None, None, [], at_desk)
+    keeping, notes = Keeping(folder, config, machine), []
+    if not at_desk:
+        keeping.take_lock()
+    elif (holder := keeping.holder()) is not None:
+        notes.append(f"The machine is driven by {holder.in_words()} now; this is its last record.")
+    with closed_on_failure(keeping):
+        state = None
+        if fresh:
+            keeping.start_anew()
+        else:
+            state, forgotten = keeping.load(to_write=not at_desk)
+            notes += forgotten
+    return _Kept(None if at_desk else keeping, state, notes, at_desk)
+
+
+def _put_together(
+    config: Config,
+    machine: Machine,
+    kept: _Kept,
+    clock: ClockName,
+    trace: Wanted | None,
+    folder: Path | None,
+) -> Plant:
+    keeping, state, notes, at_desk = kept
     card = CARDS[config.card.kind](config)
-    state_file = StateFile(state) if state is not None else None
-    notes = []
-    kept = state_file.load(len(machine.axes)) if state_file is not None and not fresh else None
-    if kept is not None:
-        kept, forgotten = still_meant(kept, config, machine)
-        notes += [forgotten] if forgotten else []
-    if kept is not None:
-        card.set_phases(kept.phases)
+    if state is not None:
+        card.set_phases(state.phases)
     kind = "simulation" if at_desk else config.port.kind
-    made = DRIVERS[kind](Order(config, card, clock, kept, wanted(config, trace)))
+    lock = None if keeping is None else keeping.descriptor
+    made = DRIVERS[kind](Order(config, card, clock, state, trace, lock))
     log = LogFile(
-        Path(config.log.file) if config.log.file else (state or state_folder()) / "fraese.log"
+        Path(config.log.file) if config.log.file else (folder or state_folder()) / "fraese.log"
     )
     log.switch(config.log.enabled)
-    onlooker = None if made.mill is None else MillOnlooker(config, made.mill)
+    # At a desk a simulated mill stands for metal; it is not that machine.
+    mill = made.mill if config.port.kind == "simulation" else None
+    onlooker = None if mill is None else MillOnlooker(config, mill)
+    recorder = _NOBODY if keeping is None else _recorder(keeping, machine, config, made, clock)
     controller = Controller(
         machine,
         made.driver,
@@ -153,11 +197,37 @@ def assemble(
         slice_s=made.slice_s,
         step_word=card.step_word,
         onlooker=onlooker,
+        recorder=recorder,
     )
-    if kept is not None:
-        controller.take_up(kept)
-        if kept.moving:
-            notes.append("The program ended while the machine moved: reference it again.")
+    if state is not None:
+        controller.take_up(state)
+        doubt = controller.position.doubt_in_words()
+        notes += [doubt] if doubt else []
+    recorder.begin(_facts(controller, config, mill))
     every = (*notes, *made.notes, *misfits(config))
-    rest = made.awake, onlooker, made.trace
-    return Plant(controller, made.clock, made.mill, state_file, config, every, *rest)
+    rest = made.awake, onlooker, made.trace, recorder
+    return Plant(controller, made.clock, mill, keeping, config, every, *rest)
+
+
+def _recorder(
+    keeping: Keeping, machine: Machine, config: Config, made: Made, clock: ClockName
+) -> Recorder:
+    """Who keeps where the machine is, and how long motors go on without this program."""
+    braking_s = max(axis.max_rate_hz / axis.acceleration_hz_s for axis in machine.axes)
+    settle_s: float | None = config.realtime.silent_s + braking_s + _SLICES_S
+    if made.mill is not None:
+        settle_s = None if clock == "virtual" else _SLICES_S
+    return JournalRecorder(keeping.write, machine, settle_s)
+
+
+def _facts(
+    controller: Controller, config: Config, mill: SimulatedMill | None
+) -> Callable[[], SavedState]:
+    """What is to be kept; called in the run loop's thread."""
+    always = {"axes": meaning(config, controller.machine), "session": secrets.token_hex(8)}
+
+    def facts() -> SavedState:
+        simulation = () if mill is None else tuple((*state,) for state in mill.states())
+        return controller.keep().model_copy(update={**always, "simulation": simulation})
+
+    return facts

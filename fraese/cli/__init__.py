@@ -86,7 +86,6 @@ def _make_app(
         plant.controller,
         open_program=partial(open_program, apart=True, kept=kept),
         notes=plant.notes,
-        before_motion=lambda: plant.save(moving=True),
         program=program,
         machine_name=plant.machine_name,
         hand=plant.press if plant.is_simulated else None,

@@ -192,5 +192,5 @@ def zero(
 @app.command()
 @with_options
 def where(on: StartingPlace) -> None:
-    """Say where the machine stands, without moving it."""
-    on.do(lambda controller: None)
+    """Say where the machine stands, without moving it; also while another program drives it."""
+    on.do(lambda controller: None, at_desk=not on.fresh)

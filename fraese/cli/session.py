@@ -96,7 +96,6 @@ class Session:
         """The job, to motors off and the state kept."""
         command(self._controller)
         if self._controller.status is Status.RUN:
-            self._plant.save(moving=True)
             self._may_raise = False
         status = self._controller.run()
         self._may_raise = False

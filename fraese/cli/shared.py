@@ -104,11 +104,11 @@ class Place:
             trace=self.trace,
         )
 
-    def do(self, action: Callable[[Controller], object]) -> None:
+    def do(self, action: Callable[[Controller], object], *, at_desk: bool = False) -> None:
         """One command on that machine; leaves with its exit code."""
 
         def go() -> int:
-            plant = self.plant()
+            plant = self.plant(at_desk=at_desk)
             departure = Departure()
             try:
                 return Session(plant, as_json=self.as_json, departure=departure).do(action)

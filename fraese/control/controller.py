@@ -19,6 +19,7 @@ from fraese.control.jobs import Job
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.onlooker import Nobody, Onlooker
 from fraese.control.position import Position
+from fraese.control.recorder import Recorder
 from fraese.control.retract import Detour
 from fraese.control.runloop import RunLoop
 from fraese.control.savedstate import SavedState
@@ -42,6 +43,7 @@ class Controller:
         slice_s: how long one poll of the driver may take, s.
         step_word: what the card calls one step.
         onlooker: who sees what no driver can know; None: there is metal, and nobody does.
+        recorder: who keeps where the machine is; None: nobody does.
 
     Attributes:
         position: positions, references, work offsets.
@@ -59,6 +61,7 @@ class Controller:
         slice_s: float = 0.02,
         step_word: str = "step",
         onlooker: Onlooker | None = None,
+        recorder: Recorder | None = None,
     ) -> None:
         self.machine = machine
         self.config = config
@@ -69,7 +72,7 @@ class Controller:
         self.override = 1.0
         self.position = Position(machine)
         self.switches = EndSwitches(config, self.position, driver)
-        self._queue = MotionQueue(driver, self.position, self.switches)
+        self._queue = MotionQueue(driver, self.position, self.switches, recorder or Recorder())
         # The first words with the driver; until here nobody has spoken to it.
         self._queue.open()
         self.switches.open()
@@ -236,12 +239,7 @@ class Controller:
 
     @logged
     def jog_steps(self, axis: str, distance_steps: int, *, clamp: bool = False) -> None:
-        """The same in steps.
-
-        Raises:
-            LimitError: if it would leave the travel, or is too long or nothing.
-            StateError: if the machine is not ready, or stands on the switch it would move into.
-        """
+        """The same in steps, with the same refusals."""
         self._loop.require_ready()
         where, config, motor = self.position, self.config.jog, self.machine.index(axis)
         target = softlimits.jog_target(where, motor, distance_steps, config.max_mm, clamp=clamp)

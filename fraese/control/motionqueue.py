@@ -13,12 +13,16 @@ Rule 3: a job's blocks are counted, pushed and finished. What is pushed for a wa
 
 from collections import deque
 from collections.abc import Iterable
+from operator import add, sub
 from typing import Final, NamedTuple
 
 from fraese.anythread import any_thread
 from fraese.blocks import Block, remainder
+from fraese.control.bounds import Span
 from fraese.control.endswitches import EndSwitches
 from fraese.control.position import Position
+from fraese.control.recorder import Recorder
+from fraese.machine import Steps
 from fraese.motor.seams import Report, StepDriver
 from fraese.planner.lines import mm_per_tick, planned_s
 
@@ -43,6 +47,7 @@ class MotionQueue:
         driver: what plays the blocks.
         position: told what was played.
         switches: told what was read.
+        recorder: asked before anything is handed over; see its rule 1.
 
     Attributes:
         report: the driver's last word.
@@ -54,8 +59,18 @@ class MotionQueue:
 
     report: Report
 
-    def __init__(self, driver: StepDriver, position: Position, switches: EndSwitches) -> None:
+    def __init__(
+        self,
+        driver: StepDriver,
+        position: Position,
+        switches: EndSwitches,
+        recorder: Recorder,
+    ) -> None:
         self._driver = driver
+        self.recorder = recorder
+        recorder.attach(self)
+        # What the driver will have counted when all was played.
+        self._end_steps: Steps = ()
         self._position = position
         self._switches = switches
         self.blocks = self.finished = 0
@@ -70,6 +85,7 @@ class MotionQueue:
         self.report = self._driver.poll(0)
         self._switches.see(self.report)
         self._position.count_from(self.report.position_steps)
+        self._end_steps = self.report.position_steps
         self._finished_before = self.report.finished
         self._serial_at_start = self.report.playing
 
@@ -95,16 +111,20 @@ class MotionQueue:
             block: what to play.
             of_job: it counts as one of the job's blocks.
         """
+        duration_s, ticks = planned_s(block), max(1, block.ticks())
+        end_steps = tuple(map(add, self._end_steps, block.steps))
+        if not self.recorder.allows(end_steps, Span(block, ticks, 0, duration_s)):
+            return None
         if not self._driver.push(block):
             return None
+        self._end_steps = end_steps
         self.blocks += of_job
         self.is_fresh = False
-        duration_s = planned_s(block)
         self._queue.append(
             _Queued(
                 block=block,
                 of_job=of_job,
-                ticks=max(1, block.ticks()),
+                ticks=ticks,
                 duration_s=duration_s,
                 mm_per_tick=mm_per_tick(block.weight),
             )
@@ -113,6 +133,10 @@ class MotionQueue:
 
     def push_aside(self, blocks: Iterable[Block]) -> None:
         """Give a few blocks of no job to a driver that has just become empty."""
+        blocks = list(blocks)
+        self.recorder.require(
+            [Span(block, max(1, block.ticks()), 0, planned_s(block)) for block in blocks]
+        )
         for block in blocks:
             self.push(block, of_job=False)
 
@@ -156,12 +180,22 @@ class MotionQueue:
             # What is left was dropped, the first of it perhaps half-way.
             self._position.at_rest(counted_steps)
             self._queue.clear()
+            self._end_steps = counted_steps
         self._mm_per_tick = self._queue[0].mm_per_tick if self._queue else 0.0
         if self._queue:
             self.speed_unit = self._position.machine.unit_of_way(self._queue[0].block.steps)
         self._position.seen(counted_steps)
 
     # --- facts ---------------------------------------------------------------------------------
+
+    def spans(self) -> tuple[Steps, list[Span]]:
+        """Counts where the first block begins, and what is left of the blocks."""
+        start, done, spans = list(self._end_steps), self.report.tick, []
+        for queued in self._queue:
+            start = list(map(sub, start, queued.block.steps))
+            spans.append(Span(queued.block, queued.ticks, done, queued.duration_s))
+            done = 0
+        return tuple(start), spans
 
     @property
     def has_begun(self) -> bool:

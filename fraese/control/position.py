@@ -12,12 +12,26 @@ Rule 4: an axis is referenced from ``set_reference`` until something shakes it: 
 """
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 from fraese.control.workoffsets import WorkOffsets
 from fraese.machine import Machine, Steps
 from fraese.motor.seams import Report
 from fraese.planner.backlash import Carriages
 from fraese.workframe import WorkFrame
+
+
+@dataclass(frozen=True, slots=True)
+class Doubt:
+    """The position may be another one.
+
+    Attributes:
+        why: half a sentence.
+        spans_steps: per axis, by how much it may be below and above; empty: nobody knows.
+    """
+
+    why: str
+    spans_steps: tuple[tuple[int, int], ...] = ()
 
 
 class Position:
@@ -31,6 +45,7 @@ class Position:
         position_steps: machine position at the driver's last report.
         referenced: per axis, whether its position can be relied on.
         offsets: the work offsets.
+        doubt: why and by how much it may be another one, until all axes are referenced.
     """
 
     def __init__(self, machine: Machine) -> None:
@@ -39,6 +54,7 @@ class Position:
         self.position_steps: Steps = (0,) * axes
         self.referenced = (False,) * axes
         self.offsets = WorkOffsets("".join(axis.name for axis in machine.axes))
+        self.doubt: Doubt | None = None
         self._carriages = Carriages(machine, self.position_steps)
         # Motor steps that the carriages have been told of.
         self._told_steps = self.position_steps
@@ -123,6 +139,23 @@ class Position:
         position[motor] = position_steps
         self._stand_at(tuple(position))
         self.referenced = tuple(n == motor or old for n, old in enumerate(self.referenced))
+        if all(self.referenced):
+            self.doubt = None
+
+    def doubt_in_words(self) -> str:
+        """What is not known of the position, a sentence; empty if nothing."""
+        if self.doubt is None:
+            return ""
+        axes = list(enumerate(self.machine.axes))
+        between = [
+            f"{axis.name.upper()} {axis.to_mm(at - below):.3f} and {axis.to_mm(at + above):.3f}"
+            for (n, axis), at, (below, above) in zip(
+                axes, self.position_steps, self.doubt.spans_steps, strict=False
+            )
+            if not self.referenced[n]
+        ]
+        where = f", between {', '.join(between)} (machine)" if between else ""
+        return f"The position is not trusted: {self.doubt.why}{where}; reference it again."
 
     def lose_reference(self, motors: Iterable[int]) -> None:
         """These axes are not to be relied on."""

@@ -27,7 +27,15 @@ from fraese.control.position import Position
 from fraese.control.retract import Detour
 from fraese.control.runner import Runner
 from fraese.control.state import JobProgress, Status
-from fraese.errors import Alarm, FraeseError, PortError, SilenceAlarm, StateError, StopAlarm
+from fraese.errors import (
+    Alarm,
+    FraeseError,
+    KeepAlarm,
+    PortError,
+    SilenceAlarm,
+    StateError,
+    StopAlarm,
+)
 from fraese.log import write as log_line
 from fraese.motor.seams import Clock, Ended, IdleLevel, StepDriver
 
@@ -80,6 +88,7 @@ class RunLoop:
         self._position = position
         self._switches = switches
         self._onlooker = onlooker
+        self._recorder = queue.recorder
         self._slice_ns = round(slice_s * _NS_PER_S)
         self._display: Callable[[], None] = _nothing
         self._show_pos: Callable[[], None] = _nothing
@@ -126,10 +135,12 @@ class RunLoop:
         if self.status is not Status.RUN:
             return self.status
         log_line("controller", "run", "entry", self._progress.name if self._progress else "")
+        self._mark()
         self._display()
         try:
             while self.status is Status.RUN:
                 self.status = self._activate()
+                self._follow()
                 self._break_key()
                 self._show_pos()
             self._conclude()
@@ -141,6 +152,7 @@ class RunLoop:
         except BaseException as error:
             self._give_up(error)
             raise
+        self._recorder.rests()
         log_line("controller", "run", "exit", f"{self.status.value} {self._position.in_words()}")
         return self.status
 
@@ -153,6 +165,7 @@ class RunLoop:
         """
         self._clock.pass_by(round(elapsed_s * _NS_PER_S))
         self._queue.poll()
+        self._recorder.idle()
         if self._idle_at_ns is not None and self._clock.now_ns() >= self._idle_at_ns:
             self._idle_at_ns = None
             self._driver.idle(IdleLevel(self._config.standstill.current))
@@ -240,7 +253,32 @@ class RunLoop:
         error = self.error
         return error if self.status is Status.ERROR and isinstance(error, Alarm) else None
 
+    def _mark(self) -> None:
+        """Before anything moves, say so."""
+        try:
+            self._recorder.before_motion()
+        except FraeseError:
+            self.runner.give_up()
+            self.status = Status.OK
+            self._progress = None
+            raise
+
+    def _follow(self) -> None:
+        """Let what was reached be put down; a place that is not kept ends the job."""
+        self._recorder.follow()
+        failure, self._recorder.failure = self._recorder.failure, None
+        if failure is not None and self.status is Status.RUN:
+            self.runner.fail(
+                KeepAlarm(
+                    f"Braked, because where the machine is could not be kept: {failure} It stands"
+                    " where is said, but a restart may not know that.",
+                )
+            )
+
     def _activate(self) -> Status:
+        if self._recorder.is_awaited and not self._queue.report.running:
+            # Nothing moves until the disk has taken it.
+            self._recorder.wait(self._slice_ns / _NS_PER_S)
         status = self.runner.activate()
         if status is Status.RUN and self.runner.waits:
             # Nothing passes the time for us: the driver has nothing to play.

@@ -53,6 +53,7 @@ class Runner:
         self._held = False
         self._resume = False
         self._answered = False
+        self._brakes_for_record = False
 
     # --- from any thread -----------------------------------------------------------------------
 
@@ -123,14 +124,29 @@ class Runner:
                 self._go_on()
         elif self._resume:
             self._go_on()
+        self._mind_the_record()
         try:
             self._feed()
         except FraeseError as error:
+            self.fail(error)
+        self._remind()
+        return self._judge(self._queue.poll(self._slice_s))
+
+    def fail(self, error: FraeseError) -> None:
+        """Brake, and let the job end with this error."""
+        if self.failure is None:
             self.failure = error
             self._job = None
             self.cancel()
-        self._remind()
-        return self._judge(self._queue.poll(self._slice_s))
+
+    def _mind_the_record(self) -> None:
+        """Brake while the record of where the machine is grows too old, see the recorder."""
+        late = self._queue.recorder.is_late
+        if late and not self._brakes_for_record:
+            self._driver.brake()
+        elif self._brakes_for_record and not late and not (self._held or self.cancelling):
+            self._driver.resume()
+        self._brakes_for_record = late
 
     def _remind(self) -> None:
         """A flush on the way aside may have wiped the driver's flag just after it was set."""
@@ -145,6 +161,12 @@ class Runner:
         self.question = ""
         self._driver.stop()
 
+    def give_up(self) -> None:
+        """Nothing has moved yet, and nothing is to: the job is dropped."""
+        if self._job is not None:
+            self._job.close()
+        self._job = self._pending = self._wait = None
+
     @property
     def waits(self) -> bool:
         """Nothing moves until a person does something."""
@@ -158,6 +180,7 @@ class Runner:
 
     def _go_on(self) -> None:
         """Resume, unless somebody has cancelled since; also if he does it at this moment."""
+        self._queue.recorder.require([])
         self._resume = self._held = False
         if not self._cancel:
             self._driver.resume()

@@ -1,28 +1,75 @@
-"""What survives a restart: position, reference, work zero, phase index.
+"""What survives a restart: position, reference, work offsets, phase index; and what is doubtful.
 
-Rule 1: written to a new file that replaces the old one in one step; never half a state.
-Rule 2: while the machine may move the file says so. If it still says so at the next start, the
-        program ended in the middle of something: the position is shown, the reference is not
-        believed.
+Rule 1: while the machine may move the record says so, and between which places it is. If it still
+        says so at the next start, the program ended in the middle of something: the position is
+        shown with its bounds, the reference is not believed.
+Rule 2: a doubt stays in every later record until all axes have been referenced.
 """
 
-import json
-import os
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Final
+from typing import Annotated, Final
 
-from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
-from fraese.control.position import Position
+from fraese.control.position import Doubt, Position
 from fraese.errors import ConfigError
 from fraese.machine import Steps
 from fraese.workframe import ACTIVE_SYSTEM, SYSTEMS
 
-STATE_FILE: Final = "state.json"
+#: No machine was ever so far from its zero.
+_FARTHEST_STEPS: Final = 10**10 - 1
+
+_Count = Annotated[int, Field(ge=-_FARTHEST_STEPS, le=_FARTHEST_STEPS)]
+_Counts = tuple[_Count, ...]
+
+IN_MOTION: Final = "the program ended while the machine moved"
+DAMAGED: Final = "the last record of its place was damaged"
 
 
-class SavedState(BaseModel):
+class _Fact(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Motion(_Fact):
+    """The machine may move.
+
+    Attributes:
+        low_steps: machine position per axis; below it nothing reaches that the motors were given.
+        high_steps: likewise, above it.
+        counted_steps: what the driver had counted where ``position_steps`` was, per motor.
+    """
+
+    low_steps: _Counts
+    high_steps: _Counts
+    counted_steps: _Counts = ()
+
+
+class KeptDoubt(_Fact):
+    """See ``Doubt``."""
+
+    why: str = Field(max_length=200)
+    spans_steps: tuple[tuple[_Count, _Count], ...] = ()
+
+
+class KeptJob(_Fact):
+    """What ran.
+
+    Attributes:
+        name: for people.
+        content_hash: SHA-256 of the program, in hexadecimal; empty where it was none.
+        line: in force where the motors were; 0 outside a program.
+        words: modal state there, as words of the language.
+        ended: it came to its end, or was given up; nothing is left to do.
+    """
+
+    name: str = Field(max_length=300)
+    content_hash: str = Field("", max_length=64)
+    line: int = 0
+    words: tuple[str, ...] = ()
+    ended: bool = False
+
+
+class SavedState(_Fact):
     """One state of one machine.
 
     Attributes:
@@ -34,24 +81,31 @@ class SavedState(BaseModel):
         ends: which ends the contact may be; none: there was no contact.
         simulation: what the simulated mill needs to be found as it was left.
         axes: what gives the steps of each axis their meaning; configured otherwise, they have none.
-        moving: written before motion, cleared after it.
+        motion: the machine may move; None: it stands.
+        doubt: why the position may be another one; None: it is as good as its reference.
+        job: the last program; None: there was none.
+        session: which opening of the machine wrote it.
+        moving: files of earlier versions said so that the machine may move.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-    position_steps: tuple[int, ...]
-    slack_steps: tuple[int, ...]
+    position_steps: _Counts
+    slack_steps: _Counts
     parameters: dict[int, float]
     referenced: tuple[bool, ...]
-    phases: tuple[int, ...]
+    phases: _Counts
     ends: tuple[str, ...] = ()
     simulation: tuple[tuple[float, float, float, float], ...] = ()
     axes: tuple[str, ...] = ()
+    motion: Motion | None = None
+    doubt: KeptDoubt | None = None
+    job: KeptJob | None = None
+    session: str = ""
     moving: bool = False
 
     @classmethod
     def of(cls, where: Position, phases: Steps, ends: Sequence[str]) -> "SavedState":
         """What is to be kept of a machine at standstill."""
+        doubt = where.doubt
         return cls(
             position_steps=where.position_steps,
             slack_steps=where.slack_steps,
@@ -59,11 +113,42 @@ class SavedState(BaseModel):
             referenced=where.referenced,
             phases=phases,
             ends=tuple(ends),
+            doubt=doubt and KeptDoubt(why=doubt.why, spans_steps=doubt.spans_steps),
         )
 
     def give_back(self, where: Position) -> None:
         """Let the axes stand where they were left."""
         where.take_up(self.position_steps, self.slack_steps, self.referenced, self.parameters)
+        if self.doubt is not None:
+            where.doubt = Doubt(self.doubt.why, self.doubt.spans_steps)
+
+    def believed(self, *, is_trusted: bool = True) -> "SavedState":
+        """What of it may be believed at a start, see rule 1.
+
+        Args:
+            is_trusted: it is the last one that was written.
+        """
+        doubt, motion = self.doubt, self.motion
+        if not is_trusted:
+            doubt = KeptDoubt(why=DAMAGED)
+        elif motion is not None:
+            # A doubt of before goes on, as wide as it was, around each place that is possible.
+            old = doubt.spans_steps if doubt else ((0, 0),) * len(self.position_steps)
+            spans = [
+                (at - low + below, high - at + above)
+                for at, low, high, (below, above) in zip(
+                    self.position_steps, motion.low_steps, motion.high_steps, old, strict=False
+                )
+            ]
+            known = doubt is None or bool(doubt.spans_steps)
+            doubt = KeptDoubt(why=IN_MOTION, spans_steps=tuple(spans) if known else ())
+        elif self.moving:
+            doubt = KeptDoubt(why=IN_MOTION)
+        else:
+            return self
+        # Nor is believed what was known of a contact before it moved.
+        nothing = {"referenced": (False,) * len(self.referenced), "ends": ()}
+        return self.model_copy(update={**nothing, "doubt": doubt, "motion": None, "moving": False})
 
     @field_validator("parameters")
     @classmethod
@@ -73,63 +158,35 @@ class SavedState(BaseModel):
         return value
 
 
-class StateFile:
-    """The state file.
+def state_in(text: bytes, axes: int, name: str) -> SavedState:
+    """What a record or an old file says, for a machine of so many axes.
 
     Args:
-        folder: made when first written.
+        text: JSON.
+        axes: how many there are.
+        name: of the file, for people.
+
+    Raises:
+        ConfigError: if it does not make sense.
     """
-
-    def __init__(self, folder: Path) -> None:
-        self.path = folder / STATE_FILE
-
-    def load(self, axes: int) -> SavedState | None:
-        """What was kept for a machine of so many axes; None if nothing.
-
-        Raises:
-            ConfigError: if the file cannot be read or does not make sense.
-        """
-        try:
-            text = self.path.read_text("utf-8")
-        except FileNotFoundError:
-            return None
-        except (OSError, UnicodeDecodeError) as error:
-            raise ConfigError(f"{self.path}: cannot be read; start with --fresh.") from error
-        try:
-            kept = SavedState.model_validate_json(text)
-        except ValidationError as error:
-            raise ConfigError(
-                f"{self.path}: is damaged; start with --fresh and reference the machine."
-            ) from error
-        per_axis: list[tuple[object, ...]] = [
-            kept.position_steps,
-            kept.slack_steps,
-            kept.referenced,
-            kept.phases,
-            kept.simulation or (None,) * axes,
-        ]
-        if any(len(values) != axes for values in per_axis):
-            raise ConfigError(
-                f"{self.path}: belongs to a machine with another number of axes; start with"
-                " --fresh."
-            )
-        if kept.moving:
-            # Nor what was known of a contact before it moved.
-            return kept.model_copy(update={"referenced": (False,) * axes, "ends": ()})
-        return kept
-
-    def save(self, kept: SavedState) -> None:
-        """Replace what was kept.
-
-        Raises:
-            ConfigError: if the folder cannot be written.
-        """
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            fresh = self.path.with_suffix(f".{os.getpid()}.new")
-            fresh.write_text(json.dumps(kept.model_dump(), indent=1) + "\n", "utf-8")
-            fresh.replace(self.path)
-        except OSError as error:
-            raise ConfigError(
-                f"{self.path}: the state cannot be written: {error.strerror}."
-            ) from error
+    try:
+        kept = SavedState.model_validate_json(text)
+    except ValidationError as error:
+        raise ConfigError(
+            f"{name}: is damaged; start with --fresh and reference the machine."
+        ) from error
+    motion, doubt = kept.motion, kept.doubt
+    per_axis: list[tuple[object, ...]] = [
+        kept.position_steps,
+        kept.slack_steps,
+        kept.referenced,
+        kept.phases,
+        kept.simulation or (None,) * axes,
+        *((motion.low_steps, motion.high_steps) if motion else ()),
+        (doubt.spans_steps if doubt else ()) or (None,) * axes,
+    ]
+    if any(len(values) != axes for values in per_axis):
+        raise ConfigError(
+            f"{name}: belongs to a machine with another number of axes; start with --fresh."
+        )
+    return kept

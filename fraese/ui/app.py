@@ -63,8 +63,6 @@ class FraeseApp(App[None]):
         controller: owned by the app's worker thread until the app has ended, and closed then.
         open_program: reads a program file; called in a thread of its own.
         notes: sentences to show at the start.
-        before_motion: called in the machine's thread before every command that moves; what it
-            raises is shown, and nothing moves.
         program: file to open at the start.
         machine_name: which machine is driven, such as "simulated mill"; shown in the title.
         hand: presses (True) or lets go of (False) an end switch of a simulated machine, by name.
@@ -86,14 +84,13 @@ class FraeseApp(App[None]):
         *,
         open_program: OpenProgram,
         notes: Sequence[str] = (),
-        before_motion: Callable[[], object] | None = None,
         program: Path | None = None,
         machine_name: str = "",
         hand: Hand | None = None,
         leaving: Callable[[int], object] | None = None,
         views: Mapping[str, type[View]] = VIEWS,
     ) -> None:
-        self.link = MachineLink(controller, self.post_message, before_motion)
+        self.link = MachineLink(controller, self.post_message)
         self._early_stop = EarlyStop(STOP_KEYS, self.link.brake_or_stop)
         self._heard: Heard | None = None
         self._leaving = leaving or (lambda code: None)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from fraese.control.controller import Controller
-from fraese.control.worker import Command, Worker
+from fraese.control.worker import Worker
 
 _MERGED_MAX_MM: Final = 0.5
 JOG_GROUP: Final = "jog"
@@ -54,25 +54,15 @@ class Jogger:
         self._waiting: Jog | None = None
         self._step_mm = {axis.name: axis.step_mm for axis in controller.machine.axes}
 
-    def press(self, jog: Jog, before: Command | None = None) -> bool:
-        """One press; False if something other than a jog runs.
-
-        Args:
-            jog: what the press means.
-            before: called in the worker's thread before the move.
-        """
+    def press(self, jog: Jog) -> bool:
+        """One press; False if something other than a jog runs."""
         with self._lock:
             if self._waiting is not None:
                 both = self._waiting.merged(jog, self._step_mm[jog.axis])
                 self._waiting = both or self._waiting
                 return True
 
-            def go() -> None:
-                if before is not None:
-                    before()
-                self._go()
-
-            if not self._worker.submit(go, JOG_GROUP):
+            if not self._worker.submit(self._go, JOG_GROUP):
                 return False
             self._waiting = jog
             return True

@@ -6,8 +6,6 @@ r"""The machine as the app sees it: orders in, states and messages out.
 Rule 1: nothing heavy happens in the app's thread; the machine's thread posts messages, no more.
 Rule 2: stop and hold do not wait in line behind anything.
 Rule 3: the latest state wins; alarms and refusals are messages of their own, each is shown.
-Rule 4: every order that moves is announced first (``before_motion``); what that raises is shown,
-        and nothing moves.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -31,7 +29,6 @@ class MachineLink:
     Args:
         controller: owned by the worker's thread until ``close``, and closed then.
         post: tells the app something; called from any thread.
-        before_motion: called in the machine's thread before every order that moves.
 
     Attributes:
         shape: what the machine has.
@@ -41,11 +38,9 @@ class MachineLink:
         self,
         controller: Controller,
         post: Callable[[Message], object],
-        before_motion: Callable[[], object] | None = None,
     ) -> None:
         self._controller = controller
         self._post = post
-        self._before_motion = before_motion or (lambda: None)
         self._worker = Worker(controller, on_refusal=self._refused, on_idle=self.offer)
         self._feed = StateFeed(lambda: post(StateChanged()))
         self._jogger = Jogger(controller, self._worker)
@@ -148,24 +143,17 @@ class MachineLink:
 
     # --- in line ---------------------------------------------------------------------------------
 
-    def order(self, command: Command, *, moves: bool = True) -> bool:
+    def order(self, command: Command) -> bool:
         """Hand a command to the machine's thread."""
-        if not moves:
-            return self._worker.submit(command)
+        return self._worker.submit(command)
 
-        def announced() -> None:
-            self._before_motion()
-            command()
-
-        return self._worker.submit(announced)
-
-    def order_of(self, command: Callable[[Controller], object], *, moves: bool = True) -> bool:
+    def order_of(self, command: Callable[[Controller], object]) -> bool:
         """The same for what wants the controller."""
-        return self.order(lambda: command(self._controller), moves=moves)
+        return self.order(lambda: command(self._controller))
 
     def jog(self, jog: Jog) -> bool:
         """One press of a jog key."""
-        return self._jogger.press(jog, self._before_motion)
+        return self._jogger.press(jog)
 
     def go_to(
         self,
@@ -198,7 +186,7 @@ class MachineLink:
             was = self._position_words(before, axes)
             self._post(Noted(f"Work zero set here; this point was {was} before."))
 
-        return self.order(zero, moves=False)
+        return self.order(zero)
 
     def _position_words(self, state: MachineState, names: Sequence[str]) -> str:
         """In work coordinates; the unit once where it is the same for all."""
@@ -212,8 +200,8 @@ class MachineLink:
 
     def ignore_switches(self, ignore: bool) -> bool:
         """Contacts stop the motors, or do not."""
-        return self.order(lambda: self._controller.ignore_switches(ignore), moves=False)
+        return self.order(lambda: self._controller.ignore_switches(ignore))
 
     def acknowledge(self) -> bool:
         """Take note of an error."""
-        return self.order(self._controller.acknowledge, moves=False)
+        return self.order(self._controller.acknowledge)

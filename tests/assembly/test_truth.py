@@ -1,6 +1,5 @@
 """The simulated mill has facts of its own, and tells what it sees: places, and lost steps."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ from fraese.assembly.trueaxis import true_axes
 from fraese.control.controller import Controller
 from fraese.control.state import MachineState, Status
 from fraese.errors import ConfigError
-from tests.helpers import configured, homed, mill, plant
+from tests.helpers import configured, homed, kept, mill, plant
 
 FULL_STEP = {"card": {"table": "full-step"}}
 #: Half-steps the other way round.
@@ -318,7 +317,7 @@ def test_fine_steps_are_found_as_they_were_left(tmp_path: Path) -> None:
     assert found.controller.state().lost_steps == (0, 0, 0)
     state = moved(found, x=2)
     assert state.carriages_mm[0] == 150
-    assert json.loads((tmp_path / "state.json").read_text())["simulation"]
+    assert kept(tmp_path)["simulation"]
 
 
 ROTARY: dict[str, Any] = {

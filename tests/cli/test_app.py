@@ -1,11 +1,11 @@
 """The app as the command line makes it."""
 
-import json
 from pathlib import Path
 
 from fraese.assembly import assemble
 from fraese.cli import _make_app
 from fraese.config import Config
+from tests.helpers import kept
 from tests.ui.helpers import play
 
 
@@ -14,19 +14,19 @@ def test_the_state_says_that_the_machine_moves_before_it_moves(tmp_path: Path) -
         plant = assemble(Config(), state=tmp_path)
         app = _make_app(plant, None)
 
-        def is_moving() -> list[bool]:
-            return [json.loads(file.read_text())["moving"] for file in tmp_path.glob("*.json")]
+        def is_moving() -> bool:
+            return bool(kept(tmp_path).get("motion"))
 
         async with app.run_test(size=(80, 24)) as pilot:
             await pilot.press("X")
             await pilot.pause()
-            assert True not in is_moving()
+            assert not is_moving()
             await pilot.press("right")
             while app.busy or plant.controller.position.position_steps[0] != 200:
                 await pilot.pause(0.01)
-            assert is_moving() == [True]
+            assert is_moving()
         plant.close()
-        assert is_moving() == [False]
+        assert not is_moving()
 
     play(scene)
 

@@ -8,7 +8,10 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner, Result
 
+from fraese.assembly.keeping import Keeping
 from fraese.cli import app
+from fraese.control.savedstate import SavedState
+from tests.helpers import kept
 
 
 class Shop:
@@ -37,9 +40,8 @@ class Shop:
         values: dict[str, Any] = json.loads(result.stdout.splitlines()[-1])
         return values
 
-    def kept(self) -> str:
-        path = self.state / "state.json"
-        return path.read_text() if path.exists() else ""
+    def kept(self) -> dict[str, Any]:
+        return kept(self.state)
 
 
 @pytest.fixture
@@ -85,7 +87,7 @@ def test_options_may_stand_in_front_of_the_command(shop: Shop) -> None:
     other = shop.folder / "other"
     result = shop.run("--state", other, "move", "X1", state=False)
     assert result.exit_code == 0
-    assert (other / "state.json").exists()
+    assert (other / "simulation.journal").exists()
     result = shop.run("--config", "nowhere.toml", "where")
     assert result.exit_code == 2
     assert "nowhere.toml" in result.stderr
@@ -157,7 +159,7 @@ def test_a_wrong_call_is_refused(shop: Shop, words: tuple[str, ...], said: str) 
     assert result.exit_code == 2, result.output
     assert said in result.stderr
     assert len(result.stderr) < 400
-    assert '"moving": true' not in shop.kept()
+    assert not shop.kept().get("motion")
     assert shop.json("where")["position_steps"] == {"x": 0, "y": 0, "z": 0}
 
 
@@ -319,7 +321,7 @@ def test_a_bad_configuration_stops_every_command(
     assert result.exit_code == 2
     assert len(result.stderr.strip().splitlines()) == 1
     assert str(path) in result.stderr
-    assert shop.kept() == ""
+    assert shop.kept() == {}
 
 
 def test_config_check_schema_and_default(shop: Shop) -> None:
@@ -333,7 +335,7 @@ def test_config_check_schema_and_default(shop: Shop) -> None:
 
 def test_a_damaged_state_and_one_that_cannot_be_written(shop: Shop) -> None:
     shop.run("move", "X1")
-    (shop.state / "state.json").write_text("{")
+    (shop.state / "simulation.journal").write_text("{")
     result = shop.run("where")
     assert result.exit_code == 2
     assert "--fresh" in result.stderr
@@ -347,22 +349,22 @@ def test_a_damaged_state_and_one_that_cannot_be_written(shop: Shop) -> None:
 
 
 def test_only_what_moves_says_that_it_moves(shop: Shop, monkeypatch: pytest.MonkeyPatch) -> None:
-    from fraese.assembly import Plant
+    moving: list[bool] = []
+    write = Keeping.write
 
-    saved: list[bool] = []
-    save = Plant.save
+    def watched(keeping: Keeping, state: SavedState, durable: bool) -> None:
+        moving.append(state.motion is not None)
+        write(keeping, state, durable)
 
-    def watched(plant: Plant, *, moving: bool = False) -> None:
-        saved.append(moving)
-        save(plant, moving=moving)
-
-    monkeypatch.setattr(Plant, "save", watched)
+    monkeypatch.setattr(Keeping, "write", watched)
     shop.run("where")
+    assert moving == []
     shop.run("zero", "x")
     shop.run("jog", "X", "0")
-    assert True not in saved
+    assert moving == [False, False]
     shop.run("jog", "X", "1")
-    assert saved[-2:] == [True, False]
+    assert moving[2] is True
+    assert moving[-1] is False
 
 
 def test_two_equal_commands_print_the_same(shop: Shop) -> None:

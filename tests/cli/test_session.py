@@ -15,7 +15,7 @@ from fraese.assembly import assemble
 from fraese.cli.output import note
 from fraese.cli.session import Session
 from fraese.control.state import Status
-from tests.helpers import configured, program
+from tests.helpers import configured, kept, program
 
 FRAESE = [sys.executable, "-m", "fraese"]
 
@@ -53,9 +53,8 @@ def begun(folder: Path, *words: object) -> "subprocess.Popen[str]":
         env=environment(folder),
         stdin=subprocess.DEVNULL,
     )
-    kept = folder / "state" / "state.json"
     until = time.monotonic() + 15
-    while not (kept.exists() and '"moving": true' in kept.read_text()):
+    while not kept(folder / "state").get("motion"):
         assert time.monotonic() < until
         assert process.poll() is None, process.communicate()
         time.sleep(0.01)

@@ -9,7 +9,8 @@ import pytest
 from fraese.assembly import Plant, assemble
 from fraese.control.state import Status
 from fraese.errors import ConfigError, StateError
-from tests.helpers import STEPDIR, carriages, configured, look, merged
+from fraese.journal import Journal
+from tests.helpers import STEPDIR, carriages, configured, crash, keep, kept, look, merged
 
 
 def machine(folder: Path, **sections: Any) -> Plant:
@@ -26,11 +27,6 @@ def moved(folder: Path, **sections: Any) -> tuple[tuple[int, ...], tuple[float, 
     made.controller.set_zero("x", 2)
     made.close()
     return made.controller.state().position_steps, carriages(made)
-
-
-def kept(folder: Path) -> dict[str, Any]:
-    values: dict[str, Any] = json.loads((folder / "state.json").read_text())
-    return values
 
 
 @pytest.mark.parametrize("card", [{}, STEPDIR], ids=["smc1500", "stepdir"])
@@ -66,15 +62,27 @@ def test_started_fresh_nothing_is_known(tmp_path: Path) -> None:
 def test_what_ended_in_the_middle_is_shown_but_not_believed(tmp_path: Path) -> None:
     position, _ = moved(tmp_path)
     made = machine(tmp_path)
-    made.save(moving=True)
-    assert kept(tmp_path)["moving"] is True
+    made.recorder.before_motion()
+    assert kept(tmp_path)["motion"] is not None
+    crash(made)
     again = machine(tmp_path)
     assert again.controller.state().position_steps == position
     assert again.controller.state().referenced == (False, False, False)
-    assert "reference it again" in again.notes[0]
+    note = again.notes[0]
+    assert "reference it again" in note
+    assert "between X 12.340 and 12.350, Y" in note
     again.close()
-    assert kept(tmp_path)["moving"] is False
-    assert machine(tmp_path).controller.state().referenced == (False, False, False)
+    # The note stays, and so do the bounds, until the machine was referenced.
+    assert kept(tmp_path)["motion"] is None
+    later = machine(tmp_path)
+    assert later.controller.state().referenced == (False, False, False)
+    assert later.notes == (note,)
+    later.controller.home()
+    assert later.controller.run() is Status.OK
+    later.close()
+    last = machine(tmp_path)
+    assert last.controller.state().referenced == (True, True, True)
+    assert last.notes == ()
 
 
 @pytest.mark.parametrize(
@@ -114,6 +122,10 @@ def make_older(folder: Path, half_steps_a_pulse: float) -> None:
         [position / half_steps_a_pulse, lost, 0.0 if drives else angle, slack / half_steps_a_pulse]
         for position, lost, angle, slack in older["simulation"]
     ]
+    for name in ("motion", "doubt", "job", "session"):
+        del older[name]
+    for path in folder.glob("simulation.*"):
+        path.unlink()
     (folder / "state.json").write_text(json.dumps(older))
 
 
@@ -171,6 +183,7 @@ DAMAGE: list[Any] = [
 CHANGES: list[dict[str, Any]] = [
     {"position_steps": [0, 0]},
     {"position_steps": [0.5, 0, 0]},
+    {"position_steps": [10**10, 0, 0]},
     {"phases": [1, 2, 3, 4]},
     {"simulation": [[0, 0, 0, 0]] * 4},
     {"simulation": [[0, 0]] * 3},
@@ -178,18 +191,28 @@ CHANGES: list[dict[str, Any]] = [
     {"parameters": {"5220": 1.5}},
     {"parameters": {"x": 1}},
     {"moving": "perhaps"},
+    {"motion": {"low_steps": [0], "high_steps": [0]}},
     {"more": 1},
 ]
 
 
 @pytest.mark.parametrize("damage", [*DAMAGE, *CHANGES], ids=str)
-def test_a_damaged_file_is_refused_with_a_remedy(tmp_path: Path, damage: Any) -> None:
+@pytest.mark.parametrize("older", [False, True])
+def test_what_makes_no_sense_is_refused_with_a_remedy(
+    tmp_path: Path, damage: Any, older: bool
+) -> None:
     moved(tmp_path)
-    path = tmp_path / "state.json"
-    if isinstance(damage, bytes):
-        path.write_bytes(damage)
+    values = kept(tmp_path)
+    content = damage if isinstance(damage, bytes) else json.dumps(values | damage).encode()
+    path = tmp_path / "simulation.journal"
+    if older:
+        path.unlink()
+        path = tmp_path / "state.json"
+        path.write_bytes(content)
     else:
-        path.write_text(json.dumps(kept(tmp_path) | damage))
+        journal = Journal(path)
+        journal.read()
+        journal.write(content)
     with pytest.raises(ConfigError, match="--fresh") as caught:
         machine(tmp_path)
     assert str(path) in str(caught.value)
@@ -199,18 +222,55 @@ def test_a_damaged_file_is_refused_with_a_remedy(tmp_path: Path, damage: Any) ->
 def test_a_folder_that_cannot_be_written_says_so(tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("")
-    made = assemble(configured(), state=blocked / "state", fresh=True)
     with pytest.raises(ConfigError, match="the state cannot be written"):
-        made.save()
-    full = assemble(configured(), state=tmp_path, fresh=True)
-    (tmp_path / "state.json").mkdir()
-    with pytest.raises(ConfigError, match="the state cannot be written"):
-        full.save()
+        assemble(configured(), state=blocked / "state", fresh=True)
+    (tmp_path / "simulation.journal").mkdir()
+    with pytest.raises(ConfigError, match="is a folder"):
+        machine(tmp_path)
 
 
 def test_nothing_is_left_beside_the_file(tmp_path: Path) -> None:
     moved(tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == ["state.json"]
+    names = sorted(path.name for path in tmp_path.iterdir())
+    assert names == ["simulation.journal", "simulation.lock"]
+
+
+def test_a_damaged_last_record_is_no_position(tmp_path: Path) -> None:
+    """The one before it is shown and its offsets hold; where the machine stands, nobody knows."""
+    moved(tmp_path)
+    made = machine(tmp_path)
+    made.controller.jog("x", 5)
+    assert made.controller.run() is Status.OK
+    made.close()
+    path = tmp_path / "simulation.journal"
+    content = path.read_bytes()
+    value = json.dumps(kept(tmp_path)["position_steps"], separators=(",", ":")).encode()
+    at = content.index(b'"position_steps":' + value) + len(b'"position_steps":[')
+    path.write_bytes(content[:at] + b"9" + content[at + 1 :])
+    again = machine(tmp_path)
+    state = again.controller.state()
+    assert state.referenced == (False, False, False)
+    assert state.offset_mm[0] == pytest.approx(10.345)
+    assert "the last record of its place was damaged" in again.notes[0]
+    again.close()
+    assert machine(tmp_path).controller.state().referenced == (False, False, False)
+
+
+def test_an_older_file_is_believed_by_one_machine_once(tmp_path: Path) -> None:
+    """It does not say whose it was; a simulated mill's is told from a real one's."""
+    moved(tmp_path)
+    make_older(tmp_path, 1)
+    metal = configured(port={"kind": "bridge", "device": "/dev/ttyUSB7"})
+    assert not any(assemble(metal, state=tmp_path, at_desk=True).controller.state().referenced)
+    assert (tmp_path / "state.json").exists()
+    desk = assemble(configured(), state=tmp_path, at_desk=True)
+    assert all(desk.controller.state().referenced)
+    assert (tmp_path / "state.json").exists(), "who only looks writes nothing"
+    made = machine(tmp_path)
+    assert all(made.controller.state().referenced)
+    made.close()
+    assert not (tmp_path / "state.json").exists()
+    assert (tmp_path / "state.json.old").exists()
 
 
 def test_a_carriage_left_on_its_switch_is_found_there(tmp_path: Path) -> None:
@@ -279,7 +339,8 @@ def test_after_a_crash_a_contact_may_be_any(tmp_path: Path) -> None:
     made = machine(tmp_path, **sections)
     made.controller.jog("x", 11)
     assert made.controller.run() is Status.ERROR
-    made.save(moving=True)
+    made.recorder.before_motion()
+    crash(made)
     assert len(machine(tmp_path, **sections).controller.state().ends) == 6
 
 
@@ -295,7 +356,7 @@ def test_a_contact_that_is_not_where_it_was_known_does_not_hinder_a_reference_ru
     values = kept(tmp_path)
     values["simulation"][0][0] = 1200.0
     values["simulation"][1][0] = 0.0
-    (tmp_path / "state.json").write_text(json.dumps(values))
+    keep(tmp_path, values)
     made = machine(tmp_path, **sections)
     assert made.controller.state().ends == ("xmax",)
     made.controller.home()

@@ -12,6 +12,7 @@ from fraese.control.controller import Controller
 from fraese.control.endswitches import EndSwitches
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.position import Position
+from fraese.control.recorder import Recorder
 from fraese.control.runloop import RunLoop
 from fraese.control.runner import Runner
 from fraese.control.state import Status
@@ -143,7 +144,7 @@ def test_while_it_is_made_nobody_speaks_to_the_driver() -> None:
     driver: Any = Silent()
     position = Position(Machine.from_config(config))
     switches = EndSwitches(config, position, driver)
-    queue = MotionQueue(driver, position, switches)
+    queue = MotionQueue(driver, position, switches, Recorder())
     for part in (switches, queue):
         with pytest.raises(AssertionError, match="was called"):
             part.open()

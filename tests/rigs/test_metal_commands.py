@@ -48,7 +48,7 @@ def test_commands_do_what_they_do_on_the_simulated_mill(
         if wiring == "smc":
             check_motors_off(answer.writes)
     assert shop.kept()["referenced"] == [True] * 3
-    assert not shop.kept()["moving"]
+    assert not shop.kept()["motion"]
     events = "".join(event.what for event in shop.fake.events())
     assert events.endswith({"ppdev": "LX", "devport": "X"}[port])
 

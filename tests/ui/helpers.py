@@ -53,6 +53,8 @@ class FakeProgram:
     facts: FakeFacts = field(default_factory=FakeFacts)
     started: int = 0
     looked: int = 0
+    #: Called in the machine's thread just before it starts.
+    at_the_gate: Callable[[], object] = lambda: None
 
     def news(self) -> str:
         return ""
@@ -71,6 +73,7 @@ class FakeProgram:
         pass
 
     def start(self, controller: Controller) -> None:
+        self.at_the_gate()
         self.started += 1
         job = self._job(controller)
         controller.start(self.name, job, lines=len(self.lines), expected_s=self.facts.duration_s)

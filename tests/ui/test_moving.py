@@ -7,6 +7,7 @@ import pytest
 from textual.widgets import Input
 
 from fraese.config import Config
+from fraese.control.recorder import Recorder
 from fraese.control.state import Status
 from fraese.errors import ConfigError
 from fraese.ui.dialogs.goto import GoToDialog
@@ -380,40 +381,44 @@ async def _jog(b: Bench) -> None:
     await b.press("right")
 
 
+class _FullDisk(Recorder):
+    """Says no before motion."""
+
+    def __init__(self) -> None:
+        self.asked = 0
+
+    def before_motion(self) -> None:
+        self.asked += 1
+        raise ConfigError("The state cannot be written: no space left.")
+
+
 @pytest.mark.parametrize("move", [_jog, _go_to, _reference, _start])
-def test_motion_is_announced_first_and_may_be_refused(
+def test_motion_is_written_down_first_and_may_be_refused(
     move: Callable[[Bench], Awaitable[None]],
 ) -> None:
     async def scene() -> None:
-        announced: list[tuple[float, ...]] = []
-
-        def refuse() -> None:
-            announced.append(b.moved_steps)
-            raise ConfigError("state.json: the state cannot be written: no space left.")
-
-        program = FakeProgram(["G1 X1"])
-        async with bench(
-            before_motion=refuse, program=Path("fake.nc"), open_program=lambda path: program
-        ) as b:
+        program, recorder = FakeProgram(["G1 X1"]), _FullDisk()
+        async with bench(program=Path("fake.nc"), open_program=lambda path: program) as b:
+            b.plant.controller._loop._recorder = recorder
             await move(b)
             await b.wait(lambda: "no space left" in b.text("#message"))
             await b.settled()
-            assert announced == [(0, 0, 0)]
+            assert recorder.asked == 1
             assert b.moved_steps == (0, 0, 0)
-            assert program.started == 0
+            assert b.drawn.status is Status.OK
+            assert b.drawn.job is None
 
     play(scene)
 
 
 def test_what_does_not_move_is_not_announced() -> None:
     async def scene() -> None:
-        announced: list[bool] = []
-        async with bench(before_motion=lambda: announced.append(True)) as b:
+        recorder = _FullDisk()
+        async with bench() as b:
+            b.plant.controller._loop._recorder = recorder
             await b.press("X", "i")
             await b.settled()
-            assert announced == []
-            await b.jog("right", "up")
-            assert announced == [True, True]
+            assert recorder.asked == 0
 
     play(scene)
 

@@ -89,13 +89,13 @@ def test_a_program_is_looked_through_as_the_machine_stands_when_it_starts(tmp_pa
         async with bench(config=BARE, program=path, open_program=APART) as b:
             await ready(b)
             b.mill.mill.place(0, 2000)
-            b.app.link.order_of(lambda controller: controller.home(["x", "y", "z"]), moves=False)
+            b.app.link.order_of(lambda controller: controller.home(["x", "y", "z"]))
             await b.settled()
             await b.jog("right", "right")
             await b.press("X")
             await b.settled()
             assert b.drawn.offset_mm[0] == 2
-            b.app.link.order_of(lambda controller: controller.move_to({"x": 100}), moves=False)
+            b.app.link.order_of(lambda controller: controller.move_to({"x": 100}))
             await b.settled()
             await b.press("X")
             await b.settled()
@@ -110,7 +110,7 @@ def test_a_program_is_looked_through_as_the_machine_stands_when_it_starts(tmp_pa
             await b.wait(lambda: not b.app.busy and b.view.desk.programs.look is None)
             await b.settled()
             assert b.moved_steps == at
-            b.app.link.order_of(lambda controller: controller.move_to({"x": -100}), moves=False)
+            b.app.link.order_of(lambda controller: controller.move_to({"x": -100}))
             await b.settled()
             await b.press("X")
             await b.settled()

@@ -105,12 +105,9 @@ def test_what_was_ordered_before_it_and_has_not_begun_never_moves() -> None:
             begun.set()
             assert gate.wait(60)
 
-        program = FakeProgram(["G1 X1"], distance_mm=100)
+        program = FakeProgram(["G1 X1"], distance_mm=100, at_the_gate=wait_at_the_gate)
         async with bench(
-            clock="paced",
-            program=Path("fake.nc"),
-            open_program=lambda path: program,
-            before_motion=wait_at_the_gate,
+            clock="paced", program=Path("fake.nc"), open_program=lambda path: program
         ) as b:
             await b.wait(lambda: "Start it" in b.text("#message"))
             await b.settled()
@@ -135,18 +132,13 @@ def test_what_was_pressed_before_it_and_comes_later_is_not_done(keys: list[str])
 
     async def scene() -> None:
         program = FakeProgram(["G1 X1"], distance_mm=100)
-        announced: list[str] = []
-        async with bench(
-            program=Path("fake.nc"),
-            open_program=lambda path: program,
-            before_motion=lambda: announced.append("moves"),
-        ) as b:
+        async with bench(program=Path("fake.nc"), open_program=lambda path: program) as b:
             await b.wait(lambda: "Start it" in b.text("#message"))
             await b.settled()
             press_without_app(b, *keys, "ctrl+c")
             await the_app_has_come_to_it(b)
             await b.settled()
-            assert (announced, program.started, b.moved_steps) == ([], 0, (0, 0, 0))
+            assert (program.started, b.moved_steps) == (0, (0, 0, 0))
             assert b.app.screen is b.view
             await b.jog("right")
             assert b.moved_steps == (200, 0, 0)

@@ -249,10 +249,10 @@ class MachineView(View):
         def ask(controller: Controller) -> None:
             self.call_later(self._look, program, program.question(controller), look)
 
-        self._order(look, ask, moves=False)
+        self._order(look, ask)
 
-    def _order(self, look: Look, order: Callable[[Controller], None], *, moves: bool) -> None:
-        taken = self.desk.link.order_of(order, moves=moves)
+    def _order(self, look: Look, order: Callable[[Controller], None]) -> None:
+        taken = self.desk.link.order_of(order)
         if not taken:
             self.desk.programs.ended(look)
         self.expect(taken)
@@ -322,4 +322,4 @@ class MachineView(View):
             else:
                 self.call_later(self._look, program, question, look, start=True)
 
-        self._order(look, start_or_ask, moves=True)
+        self._order(look, start_or_ask)

@@ -27,6 +27,7 @@ from typer.testing import CliRunner
 
 from fraese.assembly import drivers
 from fraese.cli import app
+from fraese.journal import Journal
 from fraese.motor.core import MotorCore
 from fraese.motor.ports.recorder import Recorder
 from tests.rigs.lpt.fakeport import FakePort, after_claim, writes
@@ -207,8 +208,11 @@ class Shop:
         return max(map(abs, self.travelled_steps())) > UNDER_WAY_STEPS
 
     def kept(self) -> dict[str, Any]:
-        """The state file."""
-        values = json.loads((self.folder / "user-state/fraese/state.json").read_text())
+        """The record in force; nothing else lies in the folder."""
+        (path,) = (self.folder / "user-state/fraese").glob("*.journal")
+        found = Journal(path).read()
+        assert found is not None
+        values = json.loads(found.payload)
         assert isinstance(values, dict)
         return values
 
