@@ -8,22 +8,6 @@ _U: Final = "fraese/ui/"
 
 MUTANTS: Final = (
     Mutant(
-        "app/cli: motion is not announced to the state file",
-        "after a crash while moving, an old position counts as right",
-        "fraese/cli/__init__.py",
-        "        before_motion=lambda: plant.save(moving=True),\n",
-        "",
-        tests_of("cli/test_app.py", "test_the_state_says_that_the_machine_moves_before_it_moves"),
-    ),
-    Mutant(
-        "app/link: an order is not announced",
-        "after a crash while moving, an old position counts as right",
-        _U + "machinelink.py",
-        "            self._before_motion()\n",
-        "            pass\n",
-        tests_of("ui/test_moving.py", "test_motion_is_announced_first_and_may_be_refused"),
-    ),
-    Mutant(
         "app/link: the second stop brakes once more",
         "who presses the stop key twice waits for the ramp all the same",
         _U + "machinelink.py",

@@ -80,8 +80,8 @@ class Keeping:
         found = self.journal.read()
         if found is not None:
             axes = len(self._machine.axes)
-            kept = state_in(found.payload, axes, str(self.path))
-            kept = kept.believed(is_trusted=found.is_trusted)
+            record = state_in(found.payload, axes, str(self.path))
+            kept: SavedState | None = record.believed(is_trusted=found.is_trusted)
         else:
             kept = self._from_old(to_write=to_write)
         if kept is None:
