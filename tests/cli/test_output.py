@@ -16,6 +16,7 @@ import pytest
 
 pytest.importorskip("pty")
 
+from tests.helpers import kept
 from tests.terminals import Pty
 
 FRAESE = [sys.executable, "-m", "fraese"]
@@ -151,7 +152,7 @@ def command(folder: Path, *words: str) -> Iterator[Pty]:
 
 
 def moving(folder: Path) -> bool:
-    return any(b'"moving": true' in path.read_bytes() for path in folder.rglob("state.json"))
+    return any(bool(kept(path.parent).get("motion")) for path in folder.rglob("*.journal"))
 
 
 def chatty(folder: Path, moves: int) -> None:
