@@ -123,6 +123,14 @@ STRAY_STOP: Final = AlarmKind(
     Trust.RAMPED,
     "Look at the line and at who else uses it.",
 )
+NO_PROGRESS: Final = AlarmKind(
+    42,
+    "no_progress",
+    "The motors were to move and did not get on for 3 s.",
+    Trust.LOST,
+    "Look at the line to the machine and at its supply; then reference. If it comes again without"
+    " a fault there, it is one of this program: keep the log.",
+)
 PORT: Final = AlarmKind(
     50,
     "port",
@@ -207,6 +215,7 @@ ALARMS: Final[tuple[AlarmKind, ...]] = (
     PROBE_NEVER,
     SILENCE,
     STRAY_STOP,
+    NO_PROGRESS,
     PORT,
     PORT_LOST,
     STEP_PROCESS_START,

@@ -14,15 +14,18 @@ Rule 4: the motors keep their current for ``standstill.delay_s``, in case that a
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from typing import Final
 
+from fraese import alarms
 from fraese.anythread import any_thread
 from fraese.config import Config
 from fraese.control.endswitches import EndSwitches
 from fraese.control.jobs import Job, line_of
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.onlooker import Onlooker, lost_in_words
+from fraese.control.patience import LIMIT_S, Patience
 from fraese.control.position import Position
 from fraese.control.retract import Detour
 from fraese.control.runner import Runner
@@ -106,6 +109,7 @@ class RunLoop:
         braking_s = max(axis.max_rate_hz / axis.acceleration_hz_s for axis in axes)
         lead_s = max(config.run.lead_s, braking_s + 2 * slice_s)
         self.runner = Runner(driver, queue, lead_s, slice_s)
+        self._patience = Patience(clock, slice_s)
 
     # --- callbacks -----------------------------------------------------------------------------
 
@@ -206,6 +210,7 @@ class RunLoop:
         self._travelled_before = self._queue.report.travelled_steps
         self._onlooker.begin()
         self.runner.start(job, detour)
+        self._patience.begin()
         self.status = Status.RUN
 
     def acknowledge(self) -> None:
@@ -283,7 +288,27 @@ class RunLoop:
         if status is Status.RUN and self.runner.waits:
             # Nothing passes the time for us: the driver has nothing to play.
             self._clock.wait_until(self._clock.now_ns() + self._slice_ns)
+        if status is Status.RUN and self._patience.is_over(
+            self._queue.report, excused=self.runner.waits_for_person
+        ):
+            self._refuse_to_wait()
         return status
+
+    def _refuse_to_wait(self) -> None:
+        """Motors that should move do not, or nobody hears that they do.
+
+        Raises:
+            PortError: always; they were switched off, as far as they can be reached.
+        """
+        self.runner.abandon()
+        with suppress(FraeseError):
+            self._queue.poll()
+            self._driver.idle(IdleLevel.OFF)
+        raise PortError(
+            f"The motors did not get on for {LIMIT_S:g} s at {self._position.in_words()}: they were"
+            " stopped and switched off.",
+            alarms.NO_PROGRESS,
+        )
 
     def _give_up(self, error: BaseException) -> None:
         """Something was raised that no job raises: the job is over, the motors stop."""

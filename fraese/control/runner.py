@@ -173,6 +173,12 @@ class Runner:
         return self.held or bool(self.question)
 
     @property
+    def waits_for_person(self) -> bool:
+        """It was held by somebody, stands aside for him, or asks him something."""
+        away = self._aside is not None and self._aside.is_away
+        return bool(self.question) or (self._held and self.held) or away
+
+    @property
     @any_thread
     def held(self) -> bool:
         """The motors stand, on the path or aside, and the job waits."""
