@@ -218,6 +218,7 @@ def bridge_driver(
     """
     # Nobody else needs pyserial.
     from fraese.motor.bridge.driver import BridgeDriver
+    from fraese.motor.bridge.lifesign import LifeSign
     from fraese.motor.bridge.line import SerialLine, only_candidate, serial_ports
 
     device = port.device or only_candidate(serial_ports())
@@ -225,17 +226,18 @@ def bridge_driver(
     waveform = wanted.begin() if wanted else None
     driver: StepDriver
     with closed_on_failure(waveform):
-        driver = BridgeDriver(
+        driver = bridge = BridgeDriver(
             partial(SerialLine, device, port.baud),
             card,
             clock,
             switch=switch,
             settle_s=settle_s,
             safe_outputs=safe_outputs,
-            silence_s=config.realtime.silent_s,
+            silence_s=config.realtime.silence_of_bridge_s,
             name=device,
             baud=port.baud,
         )
+        LifeSign(bridge, config.realtime.busy_s).start()
     trace = None
     if waveform is not None:
         driver, trace = planned_driver(driver, waveform, card, clock, settle_s, safe_outputs)

@@ -161,13 +161,35 @@ class RealtimeConfig(Section):
         ge=0.2,
         le=60,
         description=(
-            "When it, or the bridge, hears nothing from the program for so long while motors run,"
-            " it brakes and switches off, s."
+            "When it hears nothing from the program for so long while motors run, it brakes and"
+            " switches off, s; so does a bridge when the program is busy or hangs."
+        ),
+    )
+    bridge_silent_s: float = Field(
+        0.5,
+        ge=0.2,
+        le=60,
+        description=(
+            "A bridge that hears nothing at all from the program for so long, which is dead or"
+            " stopped then, brakes and switches off, s; not given, and silent_s is: the same."
         ),
     )
     heartbeat_hz: float = Field(
         100, gt=0, le=500, description="Periods a second of outputs.heartbeat."
     )
+
+    @property
+    def silence_of_bridge_s(self) -> float:
+        """What a bridge is told: older configurations know one time for both."""
+        given = self.model_fields_set
+        if "silent_s" in given and "bridge_silent_s" not in given:
+            return self.silent_s
+        return self.bridge_silent_s
+
+    @property
+    def busy_s(self) -> float:
+        """So long a bridge is told that the program lives, though nobody looks at the line."""
+        return max(0.0, self.silent_s - self.silence_of_bridge_s)
 
 
 class SwitchesConfig(Section):

@@ -353,6 +353,24 @@ class TestLives:
         assert not report.torn
         assert bench.carriage("x") == report.position_steps[0] > 0
 
+    def test_a_host_that_is_busy_and_says_so_is_not(self) -> None:
+        bench = FirmwareBench("smc", silence_s=0.3)
+        bench.place("x", 500)
+        for _ in range(6):
+            bench.driver.push(line(3000))
+        bench.driver.poll(0.1)
+        for _ in range(8):
+            bench.wait(0.1)
+            bench.driver.sign_of_life()
+        assert (bench.driver.unattended_s() or 0) > 0.7
+        resent = bench.driver.session.link.resent
+        report = run(bench)
+        assert (report.ended, report.dry_queues) == (Ended.TARGET, 0)
+        assert bench.carriages() == report.position_steps == (18_000, 0, 0)
+        assert bench.driver.session.link.resent == resent
+        bench.driver.close()
+        assert bench.driver.unattended_s() is None
+
     def test_current_at_standstill_goes_with_the_host(self) -> None:
         bench = FirmwareBench("smc", silence_s=0.3)
         bench.driver.push(steady(3))

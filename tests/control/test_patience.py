@@ -77,4 +77,3 @@ def test_a_driver_that_does_not_get_on_is_an_alarm(
     assert alarm.kind is alarms.NO_PROGRESS
     assert (made.clock.now_ns() - since_ns) * 1e-9 < 3.5
     assert not any(controller.state().referenced)
-

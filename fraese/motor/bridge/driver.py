@@ -233,6 +233,27 @@ class BridgeDriver:
         """The device's last word."""
         return self._picture.status
 
+    @any_thread
+    def unattended_s(self) -> float | None:
+        """So long nobody has looked at the line; None: it is closed."""
+        session = self._session
+        if self._closed:
+            return None
+        return 0.0 if session is None else (self._clock.now_ns() - session.looked_ns) / _NS_PER_S
+
+    @any_thread
+    def sign_of_life(self) -> None:
+        """Tell a device that would switch off that this program is not dead.
+
+        Raises:
+            PortError: if the line is gone.
+        """
+        session = self._session
+        if session is not None and self._picture.status.state & (
+            c.State.MOVING | c.State.ENERGISED
+        ):
+            session.sign_of_life()
+
     # --- a run -----------------------------------------------------------------------------------
 
     def _see_to_start(self, session: Session) -> None:

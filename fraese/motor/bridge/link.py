@@ -27,6 +27,7 @@ from fraese.motor.bridge.codec import Ack, Decoder, Frame, Status, Urgent, frame
 from fraese.motor.bridge.constants import (
     KIND_ACK,
     KIND_BLOCKS,
+    KIND_PING,
     KIND_STATUS,
     PAYLOAD_MAX,
     URGENT_STATUS,
@@ -44,6 +45,9 @@ GAP_DEAF_NS: Final = 10_000_000
 WISH_NS: Final = 20_000_000
 #: A question for a STATUS likewise; an answer takes 2.3 ms on the line at 250,000 baud.
 ASK_NS: Final = 15_000_000
+
+#: A sequence number so far back is no gap, however much is under way.
+_LONG_PAST: Final = 0x70
 
 _CHUNK: Final = PAYLOAD_MAX - 1
 #: What a frame of the stream has besides: two FLAGs, kind, sequence, epoch, CRC.
@@ -151,6 +155,10 @@ class Link:
         """
         self._wishes[byte] = _Wish(byte, _count(self.status, byte), now_ns)
         return _said(byte)
+
+    def out_of_sequence(self) -> bytes:
+        """A frame that the device hears and throws away. From any thread."""
+        return frame(KIND_PING, (self._sequence - _LONG_PAST) & 0xFF)
 
     def ask(self) -> None:
         """Ask for a STATUS, behind what is to be sent now; one that was asked for is waited for."""

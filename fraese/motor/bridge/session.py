@@ -93,6 +93,7 @@ class Session:
         hello: what the device said of itself.
         link: what is under way.
         listener: told of every STATUS.
+        looked_ns: when somebody last looked at the line.
     """
 
     def __init__(self, line: Line, clock: Clock, name: str, number: int, hello: Hello) -> None:
@@ -101,6 +102,7 @@ class Session:
         self._clock = clock
         self._name = name
         self._silent_s = 0.0
+        self.looked_ns = clock.now_ns()
         self.listener: Listener | None = None
         self.link = Link(number, hello.ring)
 
@@ -112,7 +114,8 @@ class Session:
         Raises:
             PortError: if the line is gone, the device silent, or not the one that was greeted.
         """
-        out = self.link.output(self._clock.now_ns())
+        self.looked_ns = self._clock.now_ns()
+        out = self.link.output(self.looked_ns)
         if out:
             self.line.write(out)
         wait_s = max(0.0, min(timeout_s, _SLICE_S))
@@ -202,6 +205,14 @@ class Session:
             PortError: if the line is gone.
         """
         self.line.write(self.link.wish(byte, self._clock.now_ns()))
+
+    def sign_of_life(self) -> None:
+        """Something good that is thrown away. From any thread.
+
+        Raises:
+            PortError: if the line is gone.
+        """
+        self.line.write(self.link.out_of_sequence())
 
     # --- the end ---------------------------------------------------------------------------------
 
