@@ -161,8 +161,8 @@ class RealtimeConfig(Section):
         ge=0.2,
         le=60,
         description=(
-            "When it hears nothing from the program for so long while motors run, it brakes and"
-            " switches off, s; so does a bridge when the program is busy or hangs."
+            "When the program hangs for so long while motors run, it brakes and switches off, s;"
+            " so does a bridge."
         ),
     )
     bridge_silent_s: float = Field(
@@ -170,8 +170,8 @@ class RealtimeConfig(Section):
         ge=0.2,
         le=60,
         description=(
-            "A bridge that hears nothing at all from the program for so long, which is dead or"
-            " stopped then, brakes and switches off, s; not given, and silent_s is: the same."
+            "A bridge brakes when the program is dead or stopped for so long, s; not given, and"
+            " silent_s is: the same."
         ),
     )
     heartbeat_hz: float = Field(
