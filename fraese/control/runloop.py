@@ -313,6 +313,9 @@ class RunLoop:
     def _give_up(self, error: BaseException) -> None:
         """Something was raised that no job raises: the job is over, the motors stop."""
         self.runner.abandon()
+        with suppress(Exception):
+            # Where they stand is kept only if they were seen to stand.
+            self._queue.poll(self._slice_ns / _NS_PER_S)
         self.status = Status.ERROR
         self.message = f"Stopped by an error: {error!r}."
 

@@ -1,0 +1,221 @@
+"""The recorder: the truth lies within what the last record says, at every moment of every run.
+
+Truth are the driver's counts and the simulated mill's carriages, looked at when a record is written
+and when the run loop has polled; what is claimed is read from the journal's file.
+"""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fraese.assembly import Plant, assemble
+from fraese.blocks import CYCLES_PER_S, Block, steps_done
+from fraese.control.bounds import Span, box_of
+from fraese.control.state import Status
+from fraese.errors import ConfigError
+from fraese.journal import store
+from fraese.planner.lines import plan_line, planned_s
+from tests.helpers import configured, crash, kept, plant, program
+
+MACHINE = plant().controller.machine
+RATES_HZ = [axis.max_rate_hz for axis in MACHINE.axes]
+
+ZIGZAG = "G21 G90\n" + "".join(f"G1 X{n % 7} Y{n % 5} F600\n" for n in range(60)) + "M2\n"
+
+
+def position_is_within(folder: Path, made: Plant) -> bool:
+    """The record in force bounds where the machine is now."""
+    values = kept(folder)
+    motion, at = values["motion"], made.controller.position.position_steps
+    if motion is None:
+        return values["position_steps"] == list(at)
+    bounds = zip(motion["low_steps"], at, motion["high_steps"], strict=True)
+    return all(low <= here <= high for low, here, high in bounds)
+
+
+@pytest.mark.parametrize("clock", ["virtual", "paced"])
+def test_at_every_look_the_record_bounds_where_the_machine_is(tmp_path: Path, clock: str) -> None:
+    made = assemble(configured(), state=tmp_path, clock="paced" if clock == "paced" else "virtual")
+    seen: list[bool] = []
+    made.controller.set_break_key(lambda: seen.append(position_is_within(tmp_path, made)))
+    text = ZIGZAG if clock == "virtual" else "G1 X3 F600\nX0 Y1\nM2\n"
+    program(tmp_path, text).start(made.controller)
+    assert made.controller.run() is Status.OK
+    made.close()
+    assert len(seen) > 5
+    assert all(seen)
+    values = kept(tmp_path)
+    assert values["motion"] is None
+    assert values["position_steps"] == list(made.controller.position.position_steps)
+
+
+def test_the_mark_is_durable_before_the_first_step(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A power cut at any moment later finds it: only what was synced counts."""
+    made = assemble(configured(), state=tmp_path)
+    journal = tmp_path / "simulation.journal"
+    on_disk: list[bytes] = []
+    sync, replace = store.sync, store.replace
+
+    def synced(fd: int) -> None:
+        sync(fd)
+        on_disk.append(journal.read_bytes())
+
+    def replaced(path: Path, content: bytes) -> None:
+        replace(path, content)
+        on_disk.append(content)
+
+    monkeypatch.setattr(store, "sync", synced)
+    monkeypatch.setattr(store, "replace", replaced)
+    claims: list[bool] = []
+
+    def cut() -> None:
+        cut_here = tmp_path / "cut"
+        cut_here.mkdir(exist_ok=True)
+        (cut_here / "simulation.journal").write_bytes(on_disk[-1])
+        moved = any(made.controller.travelled_steps())
+        claims.append(not moved or kept(cut_here)["motion"] is not None)
+
+    made.controller.set_break_key(cut)
+    made.controller.jog("x", 20)
+    assert made.controller.run() is Status.OK
+    crash(made)
+    assert claims
+    assert all(claims)
+
+
+def test_what_changes_at_rest_is_kept_while_idle(tmp_path: Path) -> None:
+    """An app that is killed while nothing moves loses nothing."""
+    made = assemble(configured(), state=tmp_path)
+    now_ns = [10**12]
+    made.recorder._now_ns = lambda: now_ns[0]  # type: ignore[attr-defined]
+    made.controller.home()
+    assert made.controller.run() is Status.OK
+    made.controller.jog("x", 12.345)
+    assert made.controller.run() is Status.OK
+    assert kept(tmp_path)["motion"] is not None
+    for _ in range(25):
+        now_ns[0] += 50_000_000
+        made.controller.idle(0.05)
+    assert kept(tmp_path)["motion"] is None
+    made.controller.set_zero("x", 2)
+    for _ in range(10):
+        now_ns[0] += 50_000_000
+        made.controller.idle(0.05)
+    where, work = made.controller.state().position_steps, made.controller.state().work_mm
+    crash(made)
+    again = assemble(configured(), state=tmp_path)
+    state = again.controller.state()
+    assert (state.position_steps, state.work_mm) == (where, work)
+    assert state.referenced == (True, True, True)
+    assert again.notes == ()
+
+
+def test_a_place_that_cannot_be_kept_brakes_the_job(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = assemble(configured(), state=tmp_path)
+
+    def broken(*arguments: object) -> None:
+        raise OSError(5, "Input/output error")
+
+    def breaks() -> None:
+        if any(made.controller.travelled_steps()):
+            monkeypatch.setattr(store, "write_all", broken)
+
+    made.controller.set_break_key(breaks)
+    program(tmp_path, ZIGZAG).start(made.controller)
+    assert made.controller.run() is Status.ERROR
+    error = made.controller.error
+    assert error is not None
+    assert error.exit_code == 1
+    assert "could not be kept" in str(error)
+    assert "Input/output error" in str(error)
+    assert not made.controller.state().running
+
+
+def test_before_motion_it_is_refused_and_nothing_moves(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = assemble(configured(), state=tmp_path)
+
+    def broken(*arguments: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(store, "replace", broken)
+    made.controller.jog("x", 1)
+    with pytest.raises(ConfigError, match="No space left on device"):
+        made.controller.run()
+    assert made.controller.travelled_steps() == (0, 0, 0)
+    monkeypatch.undo()
+    made.controller.jog("x", 1)
+    assert made.controller.run() is Status.OK
+
+
+def test_the_program_and_its_line_are_kept(tmp_path: Path) -> None:
+    made = assemble(configured(), state=tmp_path)
+    part = program(tmp_path, ZIGZAG)
+    part.start(made.controller)
+    lines: list[int] = []
+    made.controller.set_break_key(
+        lambda: lines.append((kept(tmp_path)["job"] or {}).get("line", 0))
+    )
+    assert made.controller.run() is Status.OK
+    made.controller.jog("x", 1)
+    made.controller.run()
+    made.close()
+    job = kept(tmp_path)["job"]
+    assert (job["name"], len(job["content_hash"]), job["ended"]) == ("part.ngc", 64, True)
+    assert lines == sorted(lines)
+    assert lines[-1] > 10
+
+
+# --- bounds --------------------------------------------------------------------------------------
+
+ways = st.lists(st.tuples(*[st.integers(-3000, 3000)] * 3).filter(any), min_size=1, max_size=5)
+
+
+def blocks(made: list[tuple[int, ...]]) -> list[Block]:
+    planned = [plan_line(MACHINE, way, 600.0) for way in made]
+    return [block for block in planned if block is not None]
+
+
+@given(ways, st.floats(0, 1), st.floats(0.05, 3), st.floats(0, 1))
+@settings(max_examples=150)
+def test_whatever_is_played_within_the_horizon_is_within_the_box(
+    made: list[tuple[int, ...]], begun: float, horizon_s: float, when: float
+) -> None:
+    """Played tick by tick as planned; looked at at any time until the horizon."""
+    line = blocks(made)
+    ticks = [block.ticks() for block in line]
+    done = min(int(begun * ticks[0]), ticks[0] - 1)
+    spans = [
+        Span(block, n, done if block is line[0] else 0, planned_s(block))
+        for block, n in zip(line, ticks, strict=True)
+    ]
+
+    def after(block: Block, n: int) -> tuple[int, ...]:
+        return tuple(
+            (1 if steps > 0 else -1) * steps_done(abs(steps), block.ticks(), n)
+            for steps in block.steps
+        )
+
+    here = after(line[0], done)
+    box = box_of(here, (0, 0, 0), spans, horizon_s, RATES_HZ, 0.0)
+    left = when * horizon_s * CYCLES_PER_S
+    start = (0, 0, 0)
+    for number, block in enumerate(line):
+        tick = 0
+        for piece in block.pieces:
+            for k in range(piece.ticks):
+                if number or tick >= done:
+                    left -= (piece.interval_q8 + k * piece.add_q8) >> 8
+                    if left < 0:
+                        return
+                tick += 1
+                at = tuple(a + b for a, b in zip(start, after(block, tick), strict=True))
+                assert (number == 0 and tick <= done) or box.holds(at)
+        start = tuple(a + b for a, b in zip(start, block.steps, strict=True))
