@@ -15,7 +15,7 @@ from fraese.blocks import CYCLES_PER_S, Block, steps_done
 from fraese.control.bounds import Span, box_of
 from fraese.control.state import Status
 from fraese.errors import ConfigError
-from fraese.journal import store
+from fraese.journal import files, store
 from fraese.planner.lines import plan_line, planned_s
 from tests.helpers import configured, crash, kept, plant, program
 
@@ -30,7 +30,7 @@ def position_is_within(folder: Path, made: Plant) -> bool:
     values = kept(folder)
     motion, at = values["motion"], made.controller.position.position_steps
     if motion is None:
-        return values["position_steps"] == list(at)
+        return bool(values["position_steps"] == list(at))
     bounds = zip(motion["low_steps"], at, motion["high_steps"], strict=True)
     return all(low <= here <= high for low, here, high in bounds)
 
@@ -58,7 +58,7 @@ def test_the_mark_is_durable_before_the_first_step(
     made = assemble(configured(), state=tmp_path)
     journal = tmp_path / "simulation.journal"
     on_disk: list[bytes] = []
-    sync, replace = store.sync, store.replace
+    sync, replace = files.sync, files.replace
 
     def synced(fd: int) -> None:
         sync(fd)
@@ -206,7 +206,7 @@ def test_whatever_is_played_within_the_horizon_is_within_the_box(
     here = after(line[0], done)
     box = box_of(here, (0, 0, 0), spans, horizon_s, RATES_HZ, 0.0)
     left = when * horizon_s * CYCLES_PER_S
-    start = (0, 0, 0)
+    start: tuple[int, ...] = (0, 0, 0)
     for number, block in enumerate(line):
         tick = 0
         for piece in block.pieces:
