@@ -41,10 +41,10 @@ def _environment(also: Mapping[str, str]) -> dict[str, str]:
 
 
 def stall(app: Pty) -> None:
-    """Pictures until there is no room for another."""
-    for _ in range(40):
+    """Pictures until there is no room for another: two fill a terminal."""
+    for _ in range(6):
         app.type(b"v")
-        time.sleep(0.02)
+        time.sleep(0.1)
 
 
 def braking_begun_ms(events: Sequence[Event], at_ns: int) -> float:

@@ -54,6 +54,8 @@ _SWITCH_INTERVAL_S: Final = 0.0005
 _TERMINAL_SEEN_S: Final = 0.25
 #: What the app is made of is there by then: modules, widgets, first pictures.
 _SETTLED_S: Final = 0.5
+#: More notices at once are not read, and hide the machine.
+_MOST_NOTICES: Final = 5
 
 
 class FraeseApp(App[None]):
@@ -95,6 +97,7 @@ class FraeseApp(App[None]):
         self._heard: Heard | None = None
         self._leaving = leaving or (lambda code: None)
         self._has_crashed = False
+        self._said_until_s: dict[str, float] = {}
         self._in_app: Callable[[Callable[[], object]], object] = lambda action: None
         self._on_its_way = 0
         super().__init__()
@@ -227,8 +230,21 @@ class FraeseApp(App[None]):
         self._in_app(self.refresh)
 
     def notify(self, message: str, *, title: str = "", **options: Any) -> None:
-        """As Textual's, made plain."""
-        super().notify(plain(message), title=plain(title), **options)
+        """As Textual's, made plain; what is still to be read is not said again.
+
+        A key that is held and refused would fill the screen, and the memory, with one sentence.
+        """
+        now_s, said = time.monotonic(), plain(message)
+        self._said_until_s = {
+            text: until_s for text, until_s in self._said_until_s.items() if until_s > now_s
+        }
+        if said in self._said_until_s:
+            return
+        if len(self._said_until_s) >= _MOST_NOTICES:
+            self.clear_notifications()
+            self._said_until_s.clear()
+        self._said_until_s[said] = now_s + (options.get("timeout") or self.NOTIFICATION_TIMEOUT)
+        super().notify(said, title=plain(title), **options)
 
     async def on_event(self, event: events.Event) -> None:
         """Let the repeat rule see every key before anything happens.
