@@ -270,6 +270,7 @@ main()
 @pytest.mark.alone
 @pytest.mark.parametrize("reading", [True, False])
 def test_a_crash_is_never_0(tmp_path: Path, reading: bool) -> None:
+    (tmp_path / "fraese.toml").write_text("[jog]\nfeed_mm_min = 30\n")
     (tmp_path / "crash.py").write_text(CRASH.format(where="action_go_to"))
     pty = Pty([sys.executable, "crash.py"], tmp_path, environment(tmp_path))
     try:
