@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test mutate campaign coverage check format clean firmware rig-avr rig-lpt
+.PHONY: run test fuzz mutate campaign coverage check format clean firmware rig-avr rig-lpt
 
 run: $(READY)
 	$(BIN)/fraese
@@ -22,6 +22,12 @@ mutate: $(READY)
 # all of them in their names. TRIES=10: so many of each. Takes hours.
 campaign: $(READY)
 	$(BIN)/python -m bench.campaign $(ONLY) --tries $(or $(TRIES),0)
+
+# Whatever comes in: FUZZ times as many examples as in the tests, and new ones. ONLY=word: those with
+# it in their names.
+FUZZ ?= 50
+fuzz: $(READY)
+	FRAESE_FUZZ=$(FUZZ) $(BIN)/pytest -n auto --dist worksteal tests/fuzz $(if $(ONLY),-k $(ONLY))
 
 # Twice as slow.
 coverage: $(READY)

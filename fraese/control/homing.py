@@ -20,17 +20,17 @@ from collections.abc import Callable, Generator, Sequence
 from itertools import combinations
 
 from fraese import alarms
-from fraese.blocks import Block, WatchAction
+from fraese.blocks import WatchAction
 from fraese.config.work import HomingConfig
 from fraese.control.endswitches import EndSwitches
-from fraese.control.jobs import STANDSTILL, Ask, Job, Standstill
+from fraese.control.jobs import STANDSTILL, Demand, Job
 from fraese.control.lines import axis_line
 from fraese.control.position import Position
 from fraese.errors import HomingError, LimitError
 from fraese.machine import Axis, Machine
 from fraese.motor.seams import End, Ended, Report
 
-_Steps = Generator[Block | Standstill | Ask, Report, Report]
+_Steps = Generator[Demand, Report, Report]
 
 
 def chosen(home_order: Sequence[str], axes: Sequence[str], machine: Machine) -> list[str]:
@@ -105,7 +105,7 @@ class Homing:
     def _axis(self, name: str) -> Axis:
         return self._machine.axes[self._machine.index(name)]
 
-    def _reference(self, name: str) -> Generator[Block | Standstill | Ask, Report, str]:
+    def _reference(self, name: str) -> Generator[Demand, Report, str]:
         axis = self._axis(name)
         if not axis.has_switches:
             self._position.set_reference(name, 0)
@@ -132,7 +132,7 @@ class Homing:
         yield from axis_line(self._position, motor, distance, None, None)
         return (yield STANDSTILL)
 
-    def _find(self, axis: Axis, sign: int) -> Generator[Block | Standstill | Ask, Report, int]:
+    def _find(self, axis: Axis, sign: int) -> Generator[Demand, Report, int]:
         """Approach, back off, approach slowly; the axis position at contact, in steps."""
         config = self._config
         search_mm = axis.travel_mm * config.search_factor
@@ -195,7 +195,7 @@ class Homing:
 
     # --- closed at the start -------------------------------------------------------------------
 
-    def _free(self, candidates: list[End]) -> Generator[Block | Standstill | Ask, Report, None]:
+    def _free(self, candidates: list[End]) -> Generator[Demand, Report, None]:
         """Back off candidates until the switch opens."""
         reach_mm = self._config.resolve_mm
         for size in range(1, len(self._machine.axes) + 1):
@@ -212,9 +212,7 @@ class Homing:
             ends=[self._switches.name(end) for end in candidates],
         )
 
-    def _try(
-        self, ends: tuple[End, ...], reach_mm: float
-    ) -> Generator[Block | Standstill | Ask, Report, bool]:
+    def _try(self, ends: tuple[End, ...], reach_mm: float) -> Generator[Demand, Report, bool]:
         """Move away from these ends in turn; True when it opens, else everything is undone."""
         made = []
         for end in ends:

@@ -6,6 +6,7 @@ yielding one of the classes below; what it gets back is the driver's report at t
     report = yield block        taken by the queue (not yet played)
     report = yield STANDSTILL   everything pushed so far has been played
     report = yield Ask("...")   the operator has answered
+    report = yield TURN         the run loop has been round: who computes for long is no hindrance
 
 So homing is written as it is read, a program streams, and both are stopped in one place.
 """
@@ -30,7 +31,13 @@ class Ask:
     question: str
 
 
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """Wait for nothing: let the run loop look after the driver, the keys and the display."""
+
+
 STANDSTILL: Final = Standstill()
+TURN: Final = Turn()
 
 #: A block's tag names the move that it belongs to: its number in the program, above so many bits of
 #: its line.
@@ -48,4 +55,5 @@ def move_of(tag: int) -> int:
     return tag >> MOVE_BITS
 
 
-Job = Generator[Block | Standstill | Ask, Report, None]
+Demand = Block | Standstill | Ask | Turn
+Job = Generator[Demand, Report, None]

@@ -12,7 +12,7 @@ Rule 3: a job ends in exactly one way: done, cancelled, stopped by a switch, or 
 
 from fraese.anythread import any_thread
 from fraese.blocks import Block
-from fraese.control.jobs import Ask, Job, Standstill
+from fraese.control.jobs import TURN, Ask, Job, Standstill, Turn
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.retract import Aside, Detour
 from fraese.control.state import Status
@@ -47,7 +47,7 @@ class Runner:
         self._begun = False
         self._aside: Aside | None = None
         self._pending: Block | None = None
-        self._wait: Standstill | Ask | None = None
+        self._wait: Standstill | Ask | Turn | None = None
         self._cancel = False
         self._stop = False
         self._held = False
@@ -209,6 +209,9 @@ class Runner:
                 return
             self._pending = self._wait = None
             self._advance(self._job)
+            if self._wait is TURN:
+                self._wait = None
+                return
 
     def _advance(self, job: Job) -> None:
         try:
@@ -222,7 +225,7 @@ class Runner:
         else:
             self._wait = demand
 
-    def _is_over(self, wait: Standstill | Ask) -> bool:
+    def _is_over(self, wait: Standstill | Ask | Turn) -> bool:
         if not self._queue.is_fresh or self._queue.report.queued:
             return False
         if isinstance(wait, Ask):

@@ -161,6 +161,13 @@ class End:
     line: int
 
 
+@dataclass(frozen=True, slots=True)
+class Breath:
+    """Nothing yet: many lines went by without a move. Who waits may see to something else first."""
+
+    line: int
+
+
 Move = (
     Rapid
     | Feed
@@ -176,6 +183,7 @@ Move = (
     | Overrides
     | Offsets
     | End
+    | Breath
 )
 BARRIERS: frozenset[type] = frozenset({Probe, Tool, Pause})
 MOTIONS: frozenset[type] = frozenset({Rapid, Feed, Arc, Probe})

@@ -9,6 +9,7 @@ Rule 4  Whatever is wrong with a program ends in a ProgramError with file and li
 """
 
 from collections.abc import Generator, Iterable, Iterator
+from typing import Final
 
 from fraese.errors import ProgramError
 from fraese.gcode import messages, named, words
@@ -16,6 +17,7 @@ from fraese.gcode.axes import Axes
 from fraese.gcode.canon import (
     BARRIERS,
     Arc,
+    Breath,
     Facts,
     Feed,
     Message,
@@ -38,6 +40,9 @@ from fraese.gcode.source import Source
 from fraese.gcode.text import MAX_LINE
 from fraese.gcode.words import Block, BlockReader
 from fraese.workframe import Point, WorkFrame
+
+#: After so many lines without a move the consumer gets a turn.
+_LINES_A_BREATH: Final = 1_000
 
 
 class Interpreter:
@@ -108,6 +113,7 @@ class Interpreter:
         changes = parameters.changes
         percent = False
         blank = True
+        quiet = 0
         while not self._outputs.ended:
             text = flow.next()
             if text is None:
@@ -121,7 +127,12 @@ class Interpreter:
                     continue
             if percent and text.strip() == "%":
                 break
+            quiet += 1
+            if quiet > _LINES_A_BREATH:
+                quiet = 0
+                yield Breath(motion.line)
             for move in self._line(text):
+                quiet = 0
                 if parameters.changes != changes:
                     changes = parameters.changes
                     yield Offsets(motion.line)

@@ -2,6 +2,7 @@
 
 from fraese.gcode.canon import (
     Arc,
+    Breath,
     Coolant,
     Dwell,
     End,
@@ -32,7 +33,7 @@ _KINDS: dict[type, str] = {
     End: "end",
 }
 # What is said to the operator or to the planner, and moves nothing.
-_SILENT = (Message, PathControl, Overrides, Offsets)
+_SILENT = (Message, PathControl, Overrides, Offsets, Breath)
 
 
 def as_dict(move: Move) -> Json | None:

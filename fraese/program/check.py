@@ -27,6 +27,8 @@ from fraese.workframe import Point
 
 #: More are counted, not kept.
 _MOST_WARNINGS: Final = 20
+#: Who goes further out, in travels of an axis, means no place: planning it would take for ever.
+_LOST_TRAVELS: Final = 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,12 +81,18 @@ class Facts:
 
 @dataclass
 class Survey:
-    """Sums up moves as they pass."""
+    """Sums up moves as they pass.
+
+    Attributes:
+        outside: where they leave the travel.
+        is_lost: one goes so far out that nothing more is to be planned.
+    """
 
     context: ProgramContext
     source: ProgramSource
     length_mm: float = 0.0
     outside: list[Complaint] = field(default_factory=list)
+    is_lost: bool = False
 
     def __post_init__(self) -> None:
         self._at: Point = self.context.start_mm
@@ -149,11 +157,13 @@ class Survey:
     def _check(self, index: int, from_mm: float, to_mm: float, line: int) -> None:
         """A new extreme: is it still inside?"""
         context = self.context
-        if len(self.outside) >= _MOST_WARNINGS:
-            return
         at_mm = context.start_mm[index]
         span_mm = max(self.high[index], at_mm) - min(self.low[index], at_mm)
         axis, referenced = context.machine.axes[index], context.referenced[index]
+        if not axis.is_endless and span_mm > _LOST_TRAVELS * (axis.high_mm - axis.low_mm):
+            self.is_lost = True
+        if len(self.outside) >= _MOST_WARNINGS:
+            return
         said = why_not(axis, referenced, from_mm, to_mm, span_mm, self.source.frame)
         if said:
             self.outside.append(Complaint(line, said))
@@ -165,7 +175,7 @@ def check_program(taken: Taken, context: ProgramContext, *, plan: bool = True) -
     Args:
         taken: its files.
         context: the machine as the program finds it.
-        plan: plan the motion too; else duration and blocks stay 0.
+        plan: plan the motion too, up to where it is lost; else duration and blocks stay 0.
     """
     source = ProgramSource(taken, context)
     survey = Survey(context, source)
@@ -175,11 +185,12 @@ def check_program(taken: Taken, context: ProgramContext, *, plan: bool = True) -
         moves = survey.watch(source.moves())
         if plan:
             for block in _planned(Translation(context, None), moves):
+                if survey.is_lost:
+                    break
                 duration_s += planned_s(block)
                 blocks += 1
-        else:
-            for _ in moves:
-                pass
+        for _ in moves:
+            pass
     except ProgramError as error:
         errors.append(Complaint(error.line, error.message))
     moved = survey.low[0] <= survey.high[0]

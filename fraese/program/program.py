@@ -226,6 +226,8 @@ class Program:
         here = context.start_mm
         for move in skip_to(source.moves(), Place(from_line), context, source):
             unit = "mm"
+            if isinstance(move, canon.Breath):
+                continue
             if isinstance(move, canon.Rapid | canon.Feed):
                 unit = "°" if source.axes.way(here, move.to).is_angle else "mm"
                 here = move.to

@@ -8,6 +8,7 @@ from there on       the program
 
 from collections.abc import Generator
 from dataclasses import dataclass
+from typing import Final
 
 from fraese.errors import ProgramError
 from fraese.gcode import canon
@@ -17,6 +18,8 @@ from fraese.program.source import ProgramSource
 from fraese.program.translate import Moves, Numbers
 from fraese.workframe import Point
 
+#: After so many moves that are only read, the consumer gets a turn.
+_MOVES_A_BREATH: Final = 500
 _Way = Generator[canon.Move, canon.Facts | None, None]
 
 
@@ -61,7 +64,14 @@ def skip_to(
     """
     numbers = numbers or Numbers()
     kept: dict[type, canon.Move] = {}
-    for number, move in enumerate(moves, 1):
+    number = 0
+    for move in moves:
+        if isinstance(move, canon.Breath):
+            yield move
+            continue
+        number += 1
+        if not number % _MOVES_A_BREATH:
+            yield canon.Breath(move.line)
         if place.is_reached(move, number) and not isinstance(move, canon.End):
             break
         if isinstance(move, canon.End):

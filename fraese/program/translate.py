@@ -14,7 +14,7 @@ from typing import Any, Final
 from fraese import alarms
 from fraese.blocks import Block, WatchAction
 from fraese.control.controller import Controller
-from fraese.control.jobs import MOVE_BITS, STANDSTILL, Ask, Job, Standstill
+from fraese.control.jobs import MOVE_BITS, STANDSTILL, TURN, Ask, Demand, Job
 from fraese.errors import ProbeError
 from fraese.gcode import canon
 from fraese.motor.seams import Ended, Report
@@ -23,7 +23,7 @@ from fraese.program.context import ProgramContext
 from fraese.workframe import Point
 
 Moves = Generator[canon.Move, canon.Facts | None, None]
-Part = Generator[Block | Standstill | Ask, Report, canon.Facts | None]
+Part = Generator[Demand, Report, canon.Facts | None]
 
 _DIRECTIONS: Final = {1: "clockwise", -1: "counter-clockwise"}
 
@@ -269,6 +269,12 @@ class Translation:
         return None
         yield
 
+    def _breath(self, _move: canon.Breath) -> Part:
+        # It is no move of the program, and has no number.
+        self.numbers.high -= self.numbers.stride
+        yield TURN
+        return None
+
     def _say(self, text: str) -> None:
         if self._controller is not None:
             self._controller.say(text)
@@ -297,4 +303,5 @@ _ROWS: Final[dict[type, Callable[[Translation, Any], Part]]] = {
     canon.Probe: Translation._probe,
     canon.Message: Translation._message,
     canon.End: Translation._end,
+    canon.Breath: Translation._breath,
 }

@@ -4,7 +4,7 @@ from collections.abc import Generator
 from pathlib import Path
 from typing import Any
 
-from fraese.gcode.canon import Facts, Move, Offsets
+from fraese.gcode.canon import Breath, Facts, Move, Offsets
 from fraese.gcode.coordlist import read_points
 from fraese.gcode.interpreter import Interpreter, interpret
 from fraese.gcode.reader import kind_of
@@ -14,7 +14,7 @@ from fraese.gcode.text import read_lines
 
 def moves(text: str, **setup: Any) -> list[Move]:
     """All moves of a program whose lines are divided by ``|`` or line ends; no word of offsets."""
-    return [move for move in marked(text, **setup) if not isinstance(move, Offsets)]
+    return [move for move in marked(text, **setup) if not isinstance(move, Offsets | Breath)]
 
 
 def marked(text: str, **setup: Any) -> list[Move]:

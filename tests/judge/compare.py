@@ -45,7 +45,7 @@ def our_verdict(text: str, tools: dict[int, float] | None = None, **setup: Any) 
                 at = answer.position_mm
             elif isinstance(move, canon.Rapid | canon.Feed | canon.Arc):
                 at = move.to
-            if not isinstance(move, canon.Offsets):
+            if not isinstance(move, canon.Offsets | canon.Breath):
                 verdict.events.append(_event(move))
     except StopIteration:
         return verdict
@@ -86,7 +86,7 @@ def _event(move: canon.Move) -> Event:
             return "message", said.strip().replace("-0.0000", "0.0000")
         case canon.PathControl(_, mode, tolerance_mm):
             return "path", str(mode), tolerance_mm
-        case canon.Offsets():
+        case canon.Offsets() | canon.Breath():
             raise AssertionError("rs274 says its own numbers; ours are the machine's")
         case canon.Overrides(_, enabled):
             return "overrides", enabled

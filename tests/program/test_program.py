@@ -12,6 +12,8 @@ from fraese.control.state import Status
 from fraese.errors import LimitError, ProgramError, StateError
 from fraese.motor.seams import CONTROL
 from fraese.program import Program, open_program
+from fraese.program.check import check_program
+from fraese.program.context import ProgramContext
 from tests.helpers import (
     STEPDIR,
     after_slices,
@@ -727,3 +729,54 @@ def test_a_frame_takes_up_backlash(tmp_path: Path) -> None:
     assert made.controller.run() is Status.OK
     assert made.controller.state().position_mm == (2, 0.5, -1)
     assert carriages(made)[:2] == (400 + 400, 400 + 100)
+
+
+COMPUTES = "G21 G90 G1 X1 F600\no1 while [#1 lt 40000]\n#1=[#1+1]\no1 endwhile\nG1 X2\nM2\n"
+
+
+def test_a_program_that_computes_for_long_does_not_keep_the_run_loop(tmp_path: Path) -> None:
+    made = homed()
+    zero = carriages(made)
+    slices = after_slices(made.controller, 0)
+    program(tmp_path, COMPUTES).start(made.controller)
+    assert made.controller.run() is Status.OK
+    assert len(slices) > 80
+    assert carriages(made)[0] - zero[0] == 400
+
+
+def test_it_is_cancelled_while_it_computes(tmp_path: Path) -> None:
+    made = homed()
+    zero = carriages(made)
+    slices = after_slices(made.controller, 30, made.controller.cancel)
+    program(tmp_path, COMPUTES.replace("lt 40000", "gt -1")).start(made.controller)
+    assert made.controller.run() is Status.CANCEL
+    assert len(slices) < 40
+    assert carriages(made)[0] - zero[0] == made.controller.state().position_steps[0]
+
+
+def test_lines_that_are_only_read_do_not_keep_it_either(tmp_path: Path) -> None:
+    made = homed()
+    zero = carriages(made)
+    text = "G21 G90 F600\n" + "G1 X1\nG1 X2\n" * 10_000 + "G1 X3\nM2\n"
+    slices = after_slices(made.controller, 0)
+    places: list[float] = []
+    made.controller.set_show_pos(lambda: places.append(carriages(made)[0]))
+    program(tmp_path, text).start(made.controller, from_line=20_002)
+    assert made.controller.run() is Status.OK
+    assert len(slices) > 40
+    assert places[:35] == [zero[0]] * 35
+    assert carriages(made)[0] - zero[0] == 600
+
+
+def test_a_move_to_no_place_is_refused_and_not_planned(tmp_path: Path) -> None:
+    """Cut into pieces of a second, it would be planned for ever."""
+    made = homed()
+    for text in ("G0 X1\nX1e39\nX0\n", "G0 X1\nG1 X[10**39] F1\nX0\n", "G2 I1e30 F600\n"):
+        with pytest.raises((LimitError, ProgramError), match="line "):
+            program(tmp_path, text.replace("X1e39", "X" + "9" * 39)).check(made.controller)
+    facts = check_program(
+        program(tmp_path, "G0 X1\nX40000\nX0\n").taken, ProgramContext.of(made.controller)
+    )
+    assert facts.outside[0].line == 2
+    assert facts.lines == 3
+    assert facts.blocks < 10

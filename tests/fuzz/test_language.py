@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from itertools import islice
 from pathlib import Path
 
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fraese.errors import ProgramError
@@ -14,6 +14,7 @@ from fraese.gcode.coordlist import looks_like_points, read_points
 from fraese.gcode.interpreter import interpret
 from fraese.gcode.jsonl import as_dict
 from fraese.gcode.setup import Setup
+from tests.fuzz.lengths import fuzzed, soon
 from tests.gcode.run import read_moves
 
 WORDS = """
@@ -28,12 +29,6 @@ WORDS = """
 """
 FRAGMENTS = st.sampled_from([*WORDS.split(), "\n", "\n", "\n", " "])
 PROGRAMS = st.lists(FRAGMENTS, max_size=60).map("".join)
-EXAMPLES = settings(
-    max_examples=300,
-    deadline=None,
-    derandomize=True,
-    suppress_health_check=[HealthCheck.too_slow],
-)
 
 
 def _check(move: Move) -> None:
@@ -49,8 +44,9 @@ def _consume(moves: Iterable[Move]) -> None:
     """Only a ProgramError with a line may come out."""
     refusal = None
     try:
-        for move in islice(moves, 500):
-            _check(move)
+        with soon():
+            for move in islice(moves, 500):
+                _check(move)
     except ProgramError as error:
         refusal = error
     assert refusal is None or refusal.line >= 1
@@ -61,25 +57,25 @@ def _run(text: str) -> None:
     _consume(interpret(text.split("\n"), Setup(max_idle_lines=500)))
 
 
-@EXAMPLES
+@fuzzed(300)
 @given(PROGRAMS)
 def test_fragments(text: str) -> None:
     _run(text)
 
 
-@EXAMPLES
+@fuzzed(300)
 @given(st.text(max_size=200))
 def test_any_text(text: str) -> None:
     _run(text)
 
 
-@EXAMPLES
+@fuzzed(300)
 @given(st.text("ghxyz[]#<>()=0123456789.+-*/ onifwhile\n", max_size=200))
 def test_near_code(text: str) -> None:
     _run(text)
 
 
-@EXAMPLES
+@fuzzed(300)
 @given(st.text("0123456789.,;+-eExyzfd# \t:\nunitch", max_size=200))
 def test_points(text: str) -> None:
     lines = text.split("\n")
@@ -90,7 +86,7 @@ def test_points(text: str) -> None:
 def test_any_bytes(tmp_path: Path) -> None:
     path = tmp_path / "part"
 
-    @settings(EXAMPLES, max_examples=200)
+    @fuzzed(200)
     @given(st.binary(max_size=300))
     def check(data: bytes) -> None:
         path.write_bytes(data)
