@@ -146,6 +146,7 @@ class _Kept(NamedTuple):
     state: SavedState | None
     notes: list[str]
     at_desk: bool
+    is_driven: bool = False
 
 
 def _what_is_kept(
@@ -154,9 +155,10 @@ def _what_is_kept(
     if folder is None:
         return _Kept(None, None, [], at_desk)
     keeping, notes = Keeping(folder, config, machine), []
+    holder = keeping.holder() if at_desk else None
     if not at_desk:
         keeping.take_lock()
-    elif (holder := keeping.holder()) is not None:
+    elif holder is not None:
         notes.append(f"The machine is driven by {holder.in_words()} now; this is its last record.")
     with closed_on_failure(keeping):
         state = None
@@ -165,7 +167,8 @@ def _what_is_kept(
         else:
             state, forgotten = keeping.load(to_write=not at_desk)
             notes += forgotten
-    return _Kept(None if at_desk else keeping, state, notes, at_desk)
+    is_driven = holder is not None
+    return _Kept(None if at_desk else keeping, state, notes, at_desk, is_driven)
 
 
 def _put_together(
@@ -176,7 +179,7 @@ def _put_together(
     trace: Wanted | None,
     folder: Path | None,
 ) -> Plant:
-    keeping, state, notes, at_desk = kept
+    keeping, state, notes, at_desk, _ = kept
     card = CARDS[config.card.kind](config)
     if state is not None:
         card.set_phases(state.phases)
@@ -205,7 +208,7 @@ def _put_together(
     if state is not None:
         controller.take_up(state)
         doubt = controller.position.doubt_in_words()
-        notes += [doubt] if doubt else []
+        notes += [doubt] if doubt and not kept.is_driven else []
     recorder.begin(_facts(controller, config, mill, state.job if state else None))
     every = (*notes, *made.notes, *misfits(config))
     rest = made.awake, onlooker, made.trace, recorder
@@ -217,7 +220,8 @@ def _recorder(
 ) -> Recorder:
     """Who keeps where the machine is, and how long motors go on without this program."""
     braking_s = max(axis.max_rate_hz / axis.acceleration_hz_s for axis in machine.axes)
-    settle_s: float | None = config.realtime.silent_s + braking_s + _SLICES_S
+    silence_s = max(config.realtime.silent_s, config.realtime.silence_of_bridge_s)
+    settle_s: float | None = silence_s + braking_s + _SLICES_S
     if made.mill is not None:
         settle_s = None if clock == "virtual" else _SLICES_S
     return JournalRecorder(keeping.write, machine, settle_s)

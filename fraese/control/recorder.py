@@ -31,6 +31,8 @@ _EVERY_NS: Final = _NS_PER_S // 4
 _REST_NS: Final = _NS_PER_S
 _OLD_S: Final = 0.75
 _MARGIN_S: Final = 0.25
+#: On a virtual clock the place is that of the record itself, and a run is to be fast.
+_AT_ONCE_MARGIN_S: Final = 2.0
 #: A disk that takes longer than this for the mark before motion is not waited for.
 _MARK_NS: Final = 5 * _NS_PER_S
 
@@ -135,6 +137,7 @@ class JournalRecorder(Recorder):
         self._rates_hz = [axis.max_rate_hz for axis in machine.axes]
         # On a virtual clock any time may pass between two looks.
         self._horizon_s = math.inf if settle_s is None else _OLD_S + settle_s
+        self._margin_s = _AT_ONCE_MARGIN_S if settle_s is None else _MARGIN_S
         self._is_threaded = settle_s is not None
         self._now_ns = now_ns
         self._writer = Writer(write)
@@ -184,12 +187,13 @@ class JournalRecorder(Recorder):
 
     def _may_follow(self, more: Sequence[Span]) -> bool:
         self._look()
-        if _holds(self._box, self._needed(more)):
+        needed = self._needed(more)
+        if _holds(self._box, needed):
             return True
-        if not self.is_awaited or not _holds(self._asked, self._needed(more)):
+        if not self.is_awaited or not _holds(self._asked, needed):
             self._say_moving(more)
             self._look()
-        return _holds(self._box, self._needed(more))
+        return _holds(self._box, needed)
 
     def _needed(self, more: Sequence[Span], margin_s: float = 0.0) -> Box:
         """Bounds of what the driver has, and of what is to follow."""
@@ -234,7 +238,7 @@ class JournalRecorder(Recorder):
     # --- records -------------------------------------------------------------------------------
 
     def _say_moving(self, more: Sequence[Span]) -> None:
-        facts, box = self._facts(), self._needed(more, _MARGIN_S)
+        facts, box = self._facts(), self._needed(more, self._margin_s)
         self._ask(facts.model_copy(update={"motion": self._motion(facts, box)}), box)
 
     def _motion(self, facts: SavedState, box: Box) -> Motion:
