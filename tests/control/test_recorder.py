@@ -184,7 +184,7 @@ def blocks(made: list[tuple[int, ...]]) -> list[Block]:
 
 
 @given(ways, st.floats(0, 1), st.floats(0.05, 3), st.floats(0, 1))
-@settings(max_examples=150)
+@settings(max_examples=50)
 def test_whatever_is_played_within_the_horizon_is_within_the_box(
     made: list[tuple[int, ...]], begun: float, horizon_s: float, when: float
 ) -> None:
