@@ -164,6 +164,27 @@ class TestDeathOfTheChild:
         last_ns = bench.last_write_ns()
         assert 0 < last_ns - died_ns < 100_000_000
 
+    @pytest.mark.parametrize("seconds", [0.03, 0.11, 0.2])
+    def test_where_it_was_is_told_to_a_tick(self, bench: ChildBench, seconds: float) -> None:
+        for told in (False, True):
+            for _ in range(4):
+                bench.driver.push(line(400, -130))
+            bench.driver.poll(seconds)
+            time.sleep(0.05)
+            os.kill(bench.driver.pid, signal.SIGKILL)
+            with pytest.raises(PortError, match="It was at steps motor 1 ") as caught:
+                poll_for_ever(bench.driver)
+            facts = caught.value.facts
+            low, high = facts["low_steps"], facts["high_steps"]
+            assert isinstance(low, tuple)
+            assert isinstance(high, tuple)
+            assert max(b - a for a, b in zip(low, high, strict=True)) <= 2
+            if not told:
+                bounds = zip(low, bench.carriages(), high, strict=True)
+                assert all(a <= true <= b for a, true, b in bounds)
+                assert bench.driver.poll(0).position_steps[0] >= low[0] > 0
+                time.sleep(1.1)
+
     def test_the_motors_are_off_even_if_nobody_polls(self, bench: ChildBench) -> None:
         bench.driver.push(line(9000))
         bench.driver.poll(0.2)

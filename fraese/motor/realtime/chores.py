@@ -31,6 +31,7 @@ from fraese.motor.realtime.memory import (
     COMMAND_KIND,
     HEARTBEAT,
     OVERRIDE,
+    PLACE,
     RESULT,
     RING_HEAD,
     RING_TAIL,
@@ -38,6 +39,7 @@ from fraese.motor.realtime.memory import (
     WISHES,
     Memory,
 )
+from fraese.motor.realtime.place import DONE_BITS
 from fraese.motor.realtime.records import Decoder
 from fraese.motor.realtime.report import Reporter
 from fraese.motor.realtime.ring import RingReader
@@ -104,7 +106,10 @@ class Chores:
     # --- wishes --------------------------------------------------------------------------------
 
     def has_wish(self) -> bool:
-        """Something is wished for that was not taken up yet."""
+        """Something is wished for that was not taken up yet; where the motors are is noted."""
+        cursor = self._run.track.cursor
+        if cursor is not None:
+            self._words[PLACE] = self._run.queue.serial << DONE_BITS | cursor.done
         return bool(self._words[WISHES] != self._wishes)
 
     def take_wishes(self) -> bool:

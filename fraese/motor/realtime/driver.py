@@ -190,9 +190,12 @@ class RealtimeDriver:
             )
         self._revive_at_s = now_s + _REVIVE_S
         died = self._session
-        last = self._report(died.look())
+        told = died.look()
+        where = replace(told.report, position_steps=died.bounds().at_steps)
+        last = self._report(told._replace(report=where))
         self._setup.card.set_phases(last.phases)
         session = Session(self._going_on(last.position_steps))
+        session.base_steps = last.position_steps
         self._before = last
         self._pushed_before += died.pushed
         self._session = session

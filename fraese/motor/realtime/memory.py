@@ -68,6 +68,9 @@ TEXT_LENGTH: Final = 39
 FIRST_EDGE: Final = 40
 LAST_EDGE: Final = 41
 
+#: The block in hand and its ticks done, as of the last wait (``place.py``).
+PLACE: Final = 42
+
 STARTING: Final = 0
 READY: Final = 1
 #: It gave up; the text says why, and the motors are off.

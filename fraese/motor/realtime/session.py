@@ -24,10 +24,12 @@ from fraese.motor.realtime.memory import (
     ANSWER,
     ASKED,
     HEARTBEAT,
+    PLACE,
     REPORT_SEQUENCE,
     RESULT,
     WISHES,
 )
+from fraese.motor.realtime.place import Bounds, Sent
 from fraese.motor.realtime.process import ChildProcess
 from fraese.motor.realtime.records import encode, size_of
 from fraese.motor.realtime.report import Told, read
@@ -56,6 +58,7 @@ class Session:
         pushed: blocks that it was given.
         generation: how many ends of runs the caller knows of (``know``).
         over: it is dead, and that was told.
+        base_steps: what earlier children had counted; empty: there was none.
 
     Raises:
         PortError: from every method, if the child is dead.
@@ -71,6 +74,8 @@ class Session:
         self._ring = RingWriter(self._words, self._memory.ring)
         self._sequence = 0
         self._horizon = Horizon()
+        self._sent = Sent()
+        self.base_steps: tuple[int, ...] = ()
         self.pushed = 0
         self.generation = 0
         self.over = False
@@ -107,6 +112,8 @@ class Session:
         relative = dry_point and dry_point.moved(-self.pushed - 1)
         self._ring.put(encode(block, self.generation, relative))
         self.pushed += 1
+        self._sent.forget(self._told.report.playing)
+        self._sent.add(self.pushed, block)
         return True
 
     def know(self, generation: int) -> None:
@@ -164,6 +171,10 @@ class Session:
         if death.error:
             raise PortError(death.sentence(), alarms.STEP_PROCESS_DIED)
 
+    def bounds(self) -> Bounds:
+        """Where the motors were at the child's death."""
+        return self._sent.bounds(self.look().report, self._words[PLACE])
+
     def require_life(self) -> None:
         """Tell a death, once the motors have been seen to."""
         if self.child.is_gone:
@@ -187,4 +198,11 @@ class Session:
 
     def _tell_death(self) -> NoReturn:
         self.over = True
-        raise PortError(self.child.bury().sentence(), alarms.STEP_PROCESS_DIED)
+        sentence = self.child.bury().sentence()
+        bounds = self.bounds().after(self.base_steps)
+        raise PortError(
+            f"{sentence} It was at steps {bounds.in_words()}.",
+            alarms.STEP_PROCESS_DIED,
+            low_steps=bounds.low_steps,
+            high_steps=bounds.high_steps,
+        )
