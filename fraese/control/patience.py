@@ -9,6 +9,8 @@ Rule 3: only time in which the driver was looked after counts: a program that wa
 
 from typing import Final
 
+from fraese import alarms
+from fraese.errors import PortError
 from fraese.motor.seams import Clock, Report
 
 #: Motors that do not get on for so long never will.
@@ -63,3 +65,12 @@ class Patience:
             return False
         self._waited_ns += min(passed_ns, _HELD_UP_NS)
         return self._waited_ns > self._limit_ns
+
+
+def no_progress(where: str) -> PortError:
+    """What is said when patience is over."""
+    return PortError(
+        f"The motors did not get on for {LIMIT_S:g} s at {where}: they were stopped and switched"
+        " off.",
+        alarms.NO_PROGRESS,
+    )

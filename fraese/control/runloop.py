@@ -18,14 +18,13 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Final
 
-from fraese import alarms
 from fraese.anythread import any_thread
 from fraese.config import Config
 from fraese.control.endswitches import EndSwitches
 from fraese.control.jobs import Job, line_of
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.onlooker import Onlooker, lost_in_words
-from fraese.control.patience import LIMIT_S, Patience
+from fraese.control.patience import Patience, no_progress
 from fraese.control.position import Position
 from fraese.control.retract import Detour
 from fraese.control.runner import Runner
@@ -304,11 +303,7 @@ class RunLoop:
         with suppress(FraeseError):
             self._queue.poll()
             self._driver.idle(IdleLevel.OFF)
-        raise PortError(
-            f"The motors did not get on for {LIMIT_S:g} s at {self._position.in_words()}: they were"
-            " stopped and switched off.",
-            alarms.NO_PROGRESS,
-        )
+        raise no_progress(self._position.in_words())
 
     def _give_up(self, error: BaseException) -> None:
         """Something was raised that no job raises: the job is over, the motors stop."""

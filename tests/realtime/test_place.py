@@ -31,7 +31,7 @@ def test_the_later_of_report_and_note_counts(
         plant().controller._loop._queue.report, position_steps=at(playing, tick),
         playing=playing, tick=tick, queued=1, running=True,
     )  # fmt: skip
-    bounds = sent.bounds(report, noted(*note_at))
+    bounds = sent.bounds(report, noted(*note_at), WAYS[playing - 1])
     number, done = max(report_at, note_at)
     assert bounds.at_steps == at(number, done)
     more = done + 1 <= BLOCKS[number - 1].ticks()
@@ -48,6 +48,6 @@ def test_motors_that_stand_are_where_the_report_says() -> None:
         plant().controller._loop._queue.report,
         position_steps=(10, -4, 0), playing=1, tick=0, queued=0, running=False,
     )  # fmt: skip
-    bounds = sent.bounds(report, noted(1, 9))
+    bounds = sent.bounds(report, noted(1, 9), (10, -4, 0))
     assert bounds.at_steps == bounds.low_steps == bounds.high_steps == (10, -4, 0)
     assert bounds.in_words() == "motor 1 10, motor 2 -4, motor 3 0"

@@ -66,26 +66,27 @@ class Sent:
         while self._blocks and self._blocks[0][0] < playing:
             self._blocks.popleft()
 
-    def bounds(self, last: Report, word: int) -> Bounds:
+    def bounds(self, last: Report, word: int, base_steps: tuple[int, ...]) -> Bounds:
         """Where the motors were at the child's death.
 
         Args:
             last: its last report, with counts and numbers of its own.
             word: its last note.
+            base_steps: what the blocks before the one in hand came to, in that report.
         """
         serial, done = word >> DONE_BITS, word & _DONE_MASK
         is_later = (serial, done) > (last.playing, last.tick)
-        at = list(last.position_steps)
+        # A report may be of the middle of a tick: the note counts from the begin of the block.
+        at = list(base_steps if is_later else last.position_steps)
         reach = [(0, 0)] * len(at)
         for number, steps, ticks in self._blocks:
             if number < last.playing or not is_later or number > serial:
                 continue
-            since = last.tick if number == last.playing else 0
-            until = min(done, ticks) if number == serial else ticks
             if number == last.playing and not last.queued:
-                since = ticks
+                continue
+            until = min(done, ticks) if number == serial else ticks
             for motor, n in enumerate(steps):
-                at[motor] += _signed(n, ticks, max(since, until)) - _signed(n, ticks, since)
+                at[motor] += _signed(n, ticks, until)
         if last.running:
             reach = self._next_tick(max((serial, done), (last.playing, last.tick)), reach)
         return Bounds(

@@ -57,11 +57,13 @@ class Told(NamedTuple):
         report: ``free`` is 0, and only the block in hand is ``queued``.
         echo: number of the last question that it answers.
         generation: how many runs ended before their target.
+        base_steps: counts of all blocks before the one in hand.
     """
 
     report: Report
     echo: int
     generation: int
+    base_steps: tuple[int, ...] = ()
 
 
 class Reporter:
@@ -210,7 +212,7 @@ def _unpack(data: bytes) -> Told:
         dry_queues=dry_queues,
         phases=counts.unpack_from(data, _NOW_AT + _NOW.size),
     )
-    return Told(report, echo, generation)
+    return Told(report, echo, generation, base)
 
 
 def _bits(numbers: Iterable[int]) -> int:

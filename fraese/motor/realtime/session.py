@@ -173,7 +173,8 @@ class Session:
 
     def bounds(self) -> Bounds:
         """Where the motors were at the child's death."""
-        return self._sent.bounds(self.look().report, self._words[PLACE])
+        told = self.look()
+        return self._sent.bounds(told.report, self._words[PLACE], told.base_steps)
 
     def require_life(self) -> None:
         """Tell a death, once the motors have been seen to."""
