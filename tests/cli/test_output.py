@@ -103,7 +103,7 @@ def test_a_closed_error_output_is_no_file_of_the_machine(shop: Path) -> None:
     assert in_shell(shop, "fraese run done.ngc 2>&-").returncode == 0
     done = in_shell(shop, "fraese where")
     assert done.returncode == 0, done
-    assert "one" not in "".join(
+    assert "running at" not in "".join(
         path.read_text(errors="replace") for path in (shop / "state").rglob("*") if path.is_file()
     )
 
@@ -149,10 +149,6 @@ def command(folder: Path, *words: str) -> Iterator[Pty]:
         yield pty
     finally:
         pty.close()
-
-
-def moving(folder: Path) -> bool:
-    return any(bool(kept(path.parent).get("motion")) for path in folder.rglob("*.journal"))
 
 
 def chatty(folder: Path, moves: int) -> None:
