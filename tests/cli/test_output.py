@@ -16,7 +16,6 @@ import pytest
 
 pytest.importorskip("pty")
 
-from tests.helpers import kept
 from tests.terminals import Pty
 
 FRAESE = [sys.executable, "-m", "fraese"]
