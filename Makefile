@@ -27,7 +27,8 @@ campaign: $(READY)
 # it in their names.
 FUZZ ?= 50
 fuzz: $(READY)
-	FRAESE_FUZZ=$(FUZZ) $(BIN)/pytest -n auto --dist worksteal tests/fuzz $(if $(ONLY),-k $(ONLY))
+	FRAESE_FUZZ=$(FUZZ) $(BIN)/pytest -n auto --dist worksteal tests/fuzz \
+		tests/ui/test_bad_terminals.py::test_the_app_lives_whatever_is_typed $(if $(ONLY),-k $(ONLY))
 
 # Twice as slow.
 coverage: $(READY)

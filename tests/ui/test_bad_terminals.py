@@ -18,14 +18,15 @@ pytest.importorskip("pty")
 
 from fraese.config import Config
 from fraese.ui.screenwriter import ScreenWriter
+from tests.fuzz.lengths import FACTOR
 from tests.terminals import Pty
 from tests.ui.helpers import bench, play
 
 APP = [sys.executable, "-m", "fraese"]
 RIGHT = b"\x1b[C"
 QUIT = b"\x11"
-#: Random sequences of keys in one test; how many in all says FRAESE_FUZZ.
-SEQUENCES = int(os.environ.get("FRAESE_FUZZ", "300"))
+#: Random sequences of keys; ``make fuzz`` makes it 10,000.
+SEQUENCES = 200 * FACTOR
 
 
 def environment(folder: Path, **also: str) -> dict[str, str]:
