@@ -16,6 +16,7 @@ import select
 import sys
 import termios
 from collections.abc import Collection, Iterator
+from itertools import chain
 from typing import Any, Final
 
 from textual._xterm_parser import XTermParser
@@ -36,8 +37,8 @@ _PASTE_CHARACTERS: Final = 5_000
 _LONGEST_PASTE: Final = 1_000_000
 #: Within a paste nothing comes for so long: its end was lost.
 _PASTE_SILENCE_S: Final = 0.5
-_PASTE_BEGINS: Final = "\x1b[200~"
-_PASTE_ENDS: Final = "\x1b[201~"
+#: Also where it stands in the middle of something else.
+_BRAKE: Final = Key("ctrl+c", "\x03")
 #: A screen is not larger; a torn report of its size may say so.
 _MOST_CELLS: Final = 2_000
 
@@ -124,44 +125,41 @@ class _Keys:
         self._debug = debug
         self._decoder = codecs.getincrementaldecoder("utf-8")("replace")
         self._parser = XTermParser(debug)
-        self._tail = ""
-        self._pasted = 0
-        self._pasting = False
+        self._swallowed = 0
         self._silent_s = 0.0
 
     def heard(self, data: bytes) -> Iterator[Message]:
         """What these bytes mean; none: nothing came for a moment."""
         text = self._decoder.decode(data)
+        told = braked = False
         try:
-            if text:
-                yield from self._parser.feed(text)
-            yield from self._parser.tick()
+            for message in chain(self._parser.feed(text) if text else (), self._parser.tick()):
+                told = True
+                braked |= _is_one_of(message, (_BRAKE.key,))
+                yield message
         except Exception:
             # It has lost its place: it begins anew with what comes next.
             self._begin_anew()
-        yield from self._watch_paste(text)
+        if "\x03" in text and not braked:
+            yield Key(_BRAKE.key, _BRAKE.character)
+        self._watch(text, told)
 
-    def _watch_paste(self, text: str) -> Iterator[Message]:
-        """A paste whose end was lost would swallow every key that follows, the stop key too."""
-        seen = self._tail + text
-        begun, ended = seen.rfind(_PASTE_BEGINS), seen.rfind(_PASTE_ENDS)
-        was_pasting = self._pasting
-        if begun != ended:
-            self._pasting = begun > ended
-        self._tail = seen[-len(_PASTE_ENDS) :] if not text or max(begun, ended) < 0 else ""
-        if not self._pasting:
-            self._pasted, self._silent_s = 0, 0.0
-            return
-        if was_pasting and "\x03" in text:
-            yield Key("ctrl+c", "\x03")
-        self._pasted += len(text)
+    def _watch(self, text: str, told: bool) -> None:
+        """A paste whose end was lost swallows every key that follows: it is given up.
+
+        Whatever swallows and says nothing is given up so, when the terminal has been silent.
+        """
+        if told:
+            self._swallowed = 0
+        self._swallowed += len(text)
         self._silent_s = 0.0 if text else self._silent_s + _LOOK_EVERY_S
-        if self._pasted > _LONGEST_PASTE or self._silent_s > _PASTE_SILENCE_S:
+        over = self._swallowed and self._silent_s > _PASTE_SILENCE_S
+        if over or self._swallowed > _LONGEST_PASTE:
             self._begin_anew()
 
     def _begin_anew(self) -> None:
         self._parser = XTermParser(self._debug)
-        self._tail, self._pasted, self._pasting = "", 0, False
+        self._swallowed = 0
 
 
 def _is_one_of(message: Message, keys: Collection[str]) -> bool:
