@@ -157,3 +157,20 @@ def record(plant: Plant) -> Recorder:
     wires._port = recorder
     wires.access = (recorder.write_data, wires._sample, recorder.write_control)
     return recorder
+
+
+def touching_at(plant: Plant, steps: float) -> set[str]:
+    """A plate under the probe: the shared switch closes while Z is at or below it.
+
+    Returns:
+        What lies there; empty it to take the plate away.
+    """
+    port, there = mill(plant), {"plate"}
+    read = port.read_status
+
+    def read_status() -> int:
+        status = read()
+        return status & ~0x80 if there and carriages(plant)[2] <= steps else status
+
+    port.read_status = read_status  # type: ignore[method-assign]
+    return there

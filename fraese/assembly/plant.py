@@ -22,8 +22,7 @@ from fraese.assembly.tracing import Trace, Wanted, wanted
 from fraese.config import Config
 from fraese.control.controller import Controller
 from fraese.control.recorder import JournalRecorder, Recorder
-from fraese.control.savedstate import KeptJob, SavedState
-from fraese.control.state import MachineState, Status
+from fraese.control.savedstate import SavedState
 from fraese.log import LogFile
 from fraese.machine import Machine
 from fraese.motor.awake import Awake
@@ -33,8 +32,6 @@ from fraese.motor.seams import Clock
 _NOBODY: Final = Recorder()
 #: A run loop that looks at its driver so often is late by no more than this.
 _SLICES_S: Final = 0.1
-#: Of the name of a program, as it is kept.
-_MOST_CHARACTERS: Final = 200
 
 
 @dataclass(frozen=True)
@@ -209,7 +206,7 @@ def _put_together(
         controller.take_up(state)
         doubt = controller.position.doubt_in_words()
         notes += [doubt] if doubt and not kept.is_driven else []
-    recorder.begin(_facts(controller, config, mill, state.job if state else None))
+    recorder.begin(_facts(controller, config, mill))
     every = (*notes, *made.notes, *misfits(config))
     rest = made.awake, onlooker, made.trace, recorder
     return Plant(controller, made.clock, mill, keeping, config, every, *rest)
@@ -228,7 +225,7 @@ def _recorder(
 
 
 def _facts(
-    controller: Controller, config: Config, mill: SimulatedMill | None, job: KeptJob | None
+    controller: Controller, config: Config, mill: SimulatedMill | None
 ) -> Callable[[], SavedState]:
     """What is to be kept; called in the run loop's thread.
 
@@ -236,27 +233,11 @@ def _facts(
         controller: knows where the machine is,
         config: and what its steps mean.
         mill: knows how it is left.
-        job: the last program so far; a jog after it does not take its place.
     """
     always = {"axes": meaning(config, controller.machine), "session": secrets.token_hex(8)}
 
     def facts() -> SavedState:
-        nonlocal job
-        job = _program(controller.state()) or job
         simulation = () if mill is None else tuple((*state,) for state in mill.states())
-        return controller.keep().model_copy(update={**always, "simulation": simulation, "job": job})
+        return controller.keep().model_copy(update={**always, "simulation": simulation})
 
     return facts
-
-
-def _program(state: MachineState) -> KeptJob | None:
-    """The program in hand, or the one that has just ended."""
-    progress = state.job
-    if progress is None or not progress.content_hash:
-        return None
-    return KeptJob(
-        name=progress.name[:_MOST_CHARACTERS],
-        content_hash=progress.content_hash,
-        line=progress.line,
-        ended=state.status is Status.OK,
-    )

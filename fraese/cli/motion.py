@@ -19,8 +19,9 @@ from fraese.cli.shared import (
 )
 from fraese.control.controller import Controller
 from fraese.errors import Cancelled, UsageError
-from fraese.program import open_program
+from fraese.program import gone_on_with, open_program
 from fraese.program.context import ProgramContext
+from fraese.program.interrupted import Interrupted
 from fraese.program.kept import KeptPrograms
 
 FeedOption = Annotated[
@@ -61,14 +62,39 @@ def run(
     on.do(action)
 
 
+@app.command()
+@with_options
+def resume(
+    *,
+    on: Drive,
+    back: Annotated[
+        int, typer.Option("--back", metavar="N", min=0, help="Begin so many moves earlier.")
+    ] = 0,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before it moves.")] = False,
+) -> None:
+    """Go on with the program that was cut short, at the move at which it was left."""
+
+    def action(controller: Controller) -> None:
+        left = Interrupted.of(controller.keep().job)
+        program = gone_on_with(left, KeptPrograms(on.folder))
+        said = [*left.news(ProgramContext.of(controller)), program.taken.on_disk()]
+        way = program.way_from(controller, past=left, back=back)
+        _announce([*way, *(text for text in said if text)], yes)
+        program.start(controller, past=left, back=back)
+
+    on.do(action)
+
+
 def _announce(way: list[str], yes: bool) -> None:
-    """Say what --from-line will do, and ask."""
+    """Say what a start in the middle will do, and ask."""
     for line in way:
         note(line)
     if yes:
         return
     if not sys.stdin.isatty():
-        raise UsageError("--from-line asks before it moves; without a terminal add --yes.")
+        raise UsageError(
+            "A start in the middle asks before it moves; without a terminal add --yes."
+        )
     if not typer.confirm("Go?", err=True):
         raise Cancelled("Not started; nothing has moved.")
 

@@ -15,7 +15,7 @@ from fraese.config import Config
 from fraese.control import lines, softlimits
 from fraese.control.endswitches import EndSwitches
 from fraese.control.homing import Homing, chosen
-from fraese.control.jobs import Job
+from fraese.control.jobs import Job, Note
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.onlooker import Nobody, Onlooker
 from fraese.control.position import Position
@@ -136,14 +136,14 @@ class Controller:
         lines: int = 0,
         expected_s: float = 0.0,
         detour: Detour | None = None,
-        content_hash: str = "",
+        note: Note | None = None,
     ) -> None:
         """Take up a job; ``run`` works it off. See ``RunLoop.start``.
 
         Raises:
             StateError: if another one runs, or an error has not been acknowledged.
         """
-        self._loop.start(name, job, lines, expected_s, detour, content_hash)
+        self._loop.start(name, job, lines, expected_s, detour, note)
 
     def run(self) -> Status:
         """Work off what was started, to motors at rest; how it ended."""
@@ -375,12 +375,14 @@ class Controller:
 
     def keep(self) -> SavedState:
         """What must survive a restart."""
-        return SavedState.of(self.position, self._queue.report.phases, self.switches.names())
+        state = SavedState.of(self.position, self._queue.report.phases, self.switches.names())
+        return state.model_copy(update={"job": self._loop.unfinished.known()})
 
     def take_up(self, kept: SavedState) -> None:
         """Go on where another run ended; the phases are the driver maker's business."""
         kept.give_back(self.position)
         self.switches.take_up(kept.ends)
+        self._loop.unfinished.left = kept.job
         self._queue.poll()
 
     @any_thread

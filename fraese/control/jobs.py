@@ -11,9 +11,9 @@ yielding one of the classes below; what it gets back is the driver's report at t
 So homing is written as it is read, a program streams, and both are stopped in one place.
 """
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from fraese.blocks import Block
 from fraese.motor.seams import Report
@@ -38,6 +38,9 @@ class Turn:
 
 STANDSTILL: Final = Standstill()
 TURN: Final = Turn()
+
+#: Says what must be known to go on with a job: of the tag in hand and the parameters in force.
+Note = Callable[[int, Mapping[int, float]], Mapping[str, Any]]
 
 #: A block's tag names the move that it belongs to: its number in the program, above so many bits of
 #: its line.

@@ -21,7 +21,7 @@ from typing import Final
 from fraese.anythread import any_thread
 from fraese.config import Config
 from fraese.control.endswitches import EndSwitches
-from fraese.control.jobs import Job, line_of
+from fraese.control.jobs import Job, Note, line_of
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.onlooker import Onlooker, lost_in_words
 from fraese.control.patience import Patience, no_progress
@@ -29,6 +29,7 @@ from fraese.control.position import Position
 from fraese.control.retract import Detour
 from fraese.control.runner import Runner
 from fraese.control.state import JobProgress, Status
+from fraese.control.unfinished import Unfinished
 from fraese.errors import (
     Alarm,
     FraeseError,
@@ -70,6 +71,7 @@ class RunLoop:
         status: OK, RUN, CANCEL or ERROR.
         message: the last thing that a person should know; empty if there is none.
         error: what the last job failed with, if it did.
+        unfinished: the program that was cut short.
     """
 
     def __init__(
@@ -100,6 +102,7 @@ class RunLoop:
         self.message = ""
         self.error: FraeseError | None = None
         self._progress: JobProgress | None = None
+        self.unfinished = Unfinished(queue, position)
         self._job_from_ns = 0
         self._late_before = self._dry_before = 0
         self._travelled_before = queue.report.travelled_steps
@@ -117,18 +120,15 @@ class RunLoop:
         self._display = procedure
 
     def set_show_pos(self, procedure: Callable[[], None]) -> None:
-        """Register the position display; called in the run loop's thread after every slice."""
+        """Register the position display; likewise, after every slice."""
         self._show_pos = procedure
 
     def set_break_key(self, procedure: Callable[[], None]) -> None:
-        """Register the query for a break key; called in the run loop's thread after every slice.
-
-        It calls ``cancel`` or ``stop`` when the operator wants that.
-        """
+        """Register who may cancel or stop; called in the run loop's thread after every slice."""
         self._break_key = procedure
 
     def set_tell(self, procedure: Callable[[str], None]) -> None:
-        """Register who is told every message; called in the run loop's thread."""
+        """Register who is told every message; likewise."""
         self._tell = procedure
 
     # --- jobs ----------------------------------------------------------------------------------
@@ -163,8 +163,7 @@ class RunLoop:
         """Between jobs: look at the inputs, and switch the current off when its time has come.
 
         Args:
-            elapsed_s: how long the caller has waited since the last call; a clock that only moves
-                when somebody waits is moved on by it.
+            elapsed_s: since the last call; a clock that moves by itself passes it by.
         """
         self._clock.pass_by(round(elapsed_s * _NS_PER_S))
         self._queue.poll()
@@ -181,7 +180,7 @@ class RunLoop:
         lines: int = 0,
         expected_s: float = 0.0,
         detour: Detour | None = None,
-        content_hash: str = "",
+        note: Note | None = None,
     ) -> None:
         """Take up a job; ``run`` works it off.
 
@@ -191,18 +190,16 @@ class RunLoop:
             lines: how many lines it has, for the progress.
             expected_s: planned duration, likewise.
             detour: where to go while it is held; None: stay.
-            content_hash: which program it is, for the progress.
+            note: says what must be known to go on with it; None: nobody can.
 
         Raises:
             StateError: if another one runs, or an error has not been acknowledged.
         """
         self.require_ready()
-        self.message = ""
-        self.error = None
+        self.message, self.error = "", None
         self._idle_at_ns = None
-        self._progress = JobProgress(
-            name, lines=lines, expected_s=expected_s, content_hash=content_hash
-        )
+        self.unfinished.begin(note)
+        self._progress = JobProgress(name, lines=lines, expected_s=expected_s)
         self._job_from_ns = self._clock.now_ns()
         self._late_before = self._queue.report.late_ticks
         self._dry_before = self._queue.report.dry_queues
@@ -254,8 +251,8 @@ class RunLoop:
     @any_thread
     def alarm(self) -> Alarm | None:
         """What ended the job and waits to be acknowledged."""
-        error = self.error
-        return error if self.status is Status.ERROR and isinstance(error, Alarm) else None
+        waits = self.status is Status.ERROR
+        return self.error if waits and isinstance(self.error, Alarm) else None
 
     def _mark(self) -> None:
         """Before anything moves, say so."""
@@ -336,12 +333,12 @@ class RunLoop:
         self._own_up()
         # Cutting ends with the job; what was cancelled or failed also leaves no spindle running.
         ended = ("laser",) if self.status is Status.OK else ("laser", "spindle", "coolant")
-        mask = self._config.outputs.mask(*ended)
-        if mask:
+        if mask := self._config.outputs.mask(*ended):
             self._driver.set_outputs(mask, 0)
         self._keep_progress()
 
     def _keep_progress(self) -> None:
+        self.unfinished.end(done=self.status is Status.OK)
         if self._progress is not None:
             self._progress = self._progress_now(self._progress)
 

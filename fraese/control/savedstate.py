@@ -7,7 +7,7 @@ Rule 2: a doubt stays in every later record until all axes have been referenced.
 """
 
 from collections.abc import Sequence
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
@@ -51,24 +51,6 @@ class KeptDoubt(_Fact):
     spans_steps: tuple[tuple[_Count, _Count], ...] = ()
 
 
-class KeptJob(_Fact):
-    """What ran.
-
-    Attributes:
-        name: for people.
-        content_hash: SHA-256 of the program, in hexadecimal; empty where it was none.
-        line: in force where the motors were; 0 outside a program.
-        words: modal state there, as words of the language.
-        ended: it came to its end, or was given up; nothing is left to do.
-    """
-
-    name: str = Field(max_length=300)
-    content_hash: str = Field("", max_length=64)
-    line: int = 0
-    words: tuple[str, ...] = ()
-    ended: bool = False
-
-
 class SavedState(_Fact):
     """One state of one machine.
 
@@ -83,7 +65,7 @@ class SavedState(_Fact):
         axes: what gives the steps of each axis their meaning; configured otherwise, they have none.
         motion: the machine may move; None: it stands.
         doubt: why the position may be another one; None: it is as good as its reference.
-        job: the last program; None: there was none.
+        job: what must be known to go on with a program that was cut short; None: there is none.
         session: which opening of the machine wrote it.
         moving: files of earlier versions said so that the machine may move.
     """
@@ -98,7 +80,7 @@ class SavedState(_Fact):
     axes: tuple[str, ...] = ()
     motion: Motion | None = None
     doubt: KeptDoubt | None = None
-    job: KeptJob | None = None
+    job: dict[str, Any] | None = None
     session: str = ""
     moving: bool = False
 

@@ -29,7 +29,6 @@ class JobProgress:
         blocks: blocks pushed so far.
         elapsed_s: machine time since the start.
         expected_s: planned duration; 0 where that is not known.
-        content_hash: SHA-256 of the program that runs, in hexadecimal; empty outside a program.
     """
 
     name: str
@@ -38,7 +37,6 @@ class JobProgress:
     blocks: int = 0
     elapsed_s: float = 0.0
     expected_s: float = 0.0
-    content_hash: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,13 +17,14 @@ from fraese.log import logged
 from fraese.machine import Millimetres
 from fraese.program.check import Facts, Survey, check_program
 from fraese.program.context import ProgramContext
+from fraese.program.interrupted import Interrupted, JobNote
 from fraese.program.kept import KeptPrograms
 from fraese.program.looker import Looker
 from fraese.program.offsethistory import OffsetHistory
-from fraese.program.runfromline import Place, in_words, skip_to
+from fraese.program.runfromline import Beginning, Place, in_words
 from fraese.program.source import ProgramSource
 from fraese.program.taken import Taken, take_program
-from fraese.program.translate import Translation
+from fraese.program.translate import Numbers, Translation
 
 #: Corners of a frame, low or high, for so many axes.
 _ROUND: Final[dict[int, tuple[tuple[int, ...], ...]]] = {
@@ -130,7 +131,13 @@ class Program:
 
     @logged
     def start(
-        self, controller: Controller, facts: Facts | None = None, *, from_line: int = 0
+        self,
+        controller: Controller,
+        facts: Facts | None = None,
+        *,
+        from_line: int = 0,
+        past: Interrupted | None = None,
+        back: int = 0,
     ) -> None:
         """Give it to the controller; its ``run`` works it off.
 
@@ -138,20 +145,23 @@ class Program:
             controller: the machine.
             facts: for the progress; None: from the last ``check``, if there was one.
             from_line: begin there; what lies before is only read.
+            past: go on with this instead.
+            back: begin so many moves before the one at which that was left.
 
         Raises:
-            StateError: if the machine is not ready, or may not run unreferenced.
+            StateError: if the machine is not ready, may not run unreferenced, or is not the one on
+                which it was interrupted any more.
         """
         if facts is None and self._looked is not None:
             facts = self._looked[1]
         context = ProgramContext.of(controller)
         _require_reference(context)
         controller.check_moves([])
-        source = ProgramSource(self.taken, context)
-        translation = Translation(context, controller)
-        moves = source.moves()
-        if from_line > 1:
-            moves = skip_to(moves, Place(from_line), context, source, translation.numbers)
+        begun = self._begun(context, from_line, past, back)
+        source, translation = begun.source, Translation(context, controller)
+        moves = begun.moves(translation.numbers)
+        if past is not None:
+            translation.answers |= past.facts()
         history = OffsetHistory(controller, source, translation)
 
         news = self.news()
@@ -176,7 +186,7 @@ class Program:
             detour=Retract(controller.position, retract_mm)
             if (retract_mm := context.retract_mm())
             else None,
-            content_hash=self.content_hash,
+            note=JobNote(self.name, self.content_hash, begun.found, translation.answers).at,
         )
         if news or unkept:
             controller.say(" ".join(text for text in (news and news + _AS_OPENED, unkept) if text))
@@ -214,17 +224,44 @@ class Program:
             raise ProgramError("there is no frame: no axis X or Y moves.", file=str(self.path))
         controller.drive_points(f"frame {self.name}", points)
 
-    def way_from(self, controller: Controller, from_line: int) -> list[str]:
-        """What a start at a line would do, in words; nothing moves.
+    def _begun(
+        self, now: ProgramContext, from_line: int, past: Interrupted | None, back: int
+    ) -> Beginning:
+        """A reading of it that begins where it is to begin."""
+        if past is None:
+            place = Place(from_line) if from_line > 1 else None
+            return Beginning(ProgramSource(self.taken, now), now, now, place)
+        past.require_same_machine(now)
+        found, place = past.context(now), Place(past.line, max(1, past.move - back))
+        return Beginning(ProgramSource(self.taken, found), found, now, place, past.facts())
+
+    def way_from(
+        self,
+        controller: Controller,
+        from_line: int = 0,
+        *,
+        past: Interrupted | None = None,
+        back: int = 0,
+    ) -> list[str]:
+        """What a start in the middle would do, in words; nothing moves. As for ``start``.
 
         Raises:
             ProgramError: if there is nothing to run there, or a line before it is refused.
+            StateError: if it is not the machine on which it was interrupted.
         """
         context = ProgramContext.of(controller)
-        source = ProgramSource(self.taken, context)
-        said = [f"{self.name} from line {from_line}:"]
-        here = context.start_mm
-        for move in skip_to(source.moves(), Place(from_line), context, source):
+        begun = self._begun(context, from_line, past, back)
+        source, numbers = begun.source, Numbers()
+        said: list[str] = []
+        here, line, goes_down = context.start_mm, 1, False
+        for move in begun.moves(numbers):
+            line = move.line
+            is_over = not numbers.is_on_a_way
+            if is_over and goes_down:
+                break
+            if isinstance(move, canon.Offsets):
+                continue
+            goes_down = goes_down or isinstance(move, canon.Feed)
             unit = "mm"
             if isinstance(move, canon.Breath):
                 continue
@@ -232,14 +269,14 @@ class Program:
                 unit = "°" if source.axes.way(here, move.to).is_angle else "mm"
                 here = move.to
             said.append("  " + in_words(move, context.machine, unit))
-            if isinstance(move, canon.Feed) or move.line > from_line:
+            if is_over:
                 break
         modal, frame = source.modal, WorkFacts.of(source.frame, 0)
         said.append(
             f"  then the program, with feed {_feed_in_words(source)}, tool {modal.tool},"
             f" plane G{modal.plane}, work offset {frame.system}{frame.more()}"
         )
-        return said
+        return [f"{self.name} from line {line}:", *said]
 
 
 def _feed_in_words(source: ProgramSource) -> str:
@@ -292,3 +329,16 @@ def open_program(
         ProgramError: if there is nothing to read.
     """
     return Program(take_program(path), apart=apart, kept=kept)
+
+
+def gone_on_with(left: Interrupted, kept: KeptPrograms) -> Program:
+    """The program that was cut short, as it was when it was started.
+
+    Args:
+        left: which it is.
+        kept: where a copy of it is.
+
+    Raises:
+        ProgramError: there is none any more.
+    """
+    return Program(kept.find(left.content_hash), kept=kept)

@@ -6,8 +6,8 @@ the way there       up to the safe height | over to where the program would be |
 from there on       the program
 """
 
-from collections.abc import Generator
-from dataclasses import dataclass
+from collections.abc import Generator, Mapping
+from dataclasses import dataclass, field
 from typing import Final
 
 from fraese.errors import ProgramError
@@ -21,6 +21,8 @@ from fraese.workframe import Point
 #: After so many moves that are only read, the consumer gets a turn.
 _MOVES_A_BREATH: Final = 500
 _Way = Generator[canon.Move, canon.Facts | None, None]
+_REPEATED = (canon.Spindle, canon.Coolant, canon.PathControl, canon.Tool)
+_MOTIONS = (canon.Rapid, canon.Feed, canon.Arc, canon.Probe)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +34,7 @@ class Place:
         move: at the move of this number, counted from 1; 0: the line counts.
     """
 
-    line: int = 0
+    line: int
     move: int = 0
 
     def is_reached(self, move: canon.Move, number: int) -> bool:
@@ -40,58 +42,103 @@ class Place:
         return number >= self.move if self.move else move.line >= self.line
 
 
-def skip_to(
-    moves: Moves,
-    place: Place,
-    context: ProgramContext,
-    source: ProgramSource,
-    numbers: Numbers | None = None,
-) -> Moves:
-    """The moves from a place on, with the way there in front.
+@dataclass(frozen=True)
+class Beginning:
+    """How a program is begun.
 
-    What lies before is read for what it leaves in force; of what it commands the last word of
-    each kind (path mode, spindle, coolant) is repeated.
-
-    Args:
-        moves: from the source.
-        place: where to begin.
-        context: knows the safe height, and what hangs on outputs.
-        source: knows what the moves before leave in force.
-        numbers: told what is passed by; None: nobody counts.
-
-    Raises:
-        ProgramError: if there is no such place.
+    Attributes:
+        source: a reading of it.
+        found: the machine as that finds it.
+        now: the machine as it stands.
+        place: where to begin; None: at its start, wherever the machine stands.
+        answers: what barriers before the place are answered, by the number of their move.
     """
-    numbers = numbers or Numbers()
-    kept: dict[type, canon.Move] = {}
-    number = 0
-    for move in moves:
-        if isinstance(move, canon.Breath):
-            yield move
-            continue
-        number += 1
-        if not number % _MOVES_A_BREATH:
-            yield canon.Breath(move.line)
-        if place.is_reached(move, number) and not isinstance(move, canon.End):
-            break
-        if isinstance(move, canon.End):
-            raise ProgramError(
-                f"there is nothing to run from line {place.line} on; the program ends in line"
-                f" {move.line}.",
-                place.line,
-            )
-        numbers.pass_by()
-        if isinstance(move, canon.Rapid | canon.Feed | canon.Arc | canon.Probe):
-            kept[canon.Rapid] = move
-        elif isinstance(move, canon.Spindle | canon.Coolant | canon.PathControl | canon.Tool):
-            kept[type(move)] = move
-    else:
-        raise ProgramError(f"there is nothing to run from line {place.line} on.", place.line)
-    numbers.leave()
-    yield from _way_to(kept, context, source, place.line)
-    numbers.come_back()
-    facts = yield move
-    yield from _rest(moves, facts)
+
+    source: ProgramSource
+    found: ProgramContext
+    now: ProgramContext
+    place: Place | None = None
+    answers: Mapping[int, canon.Facts] = field(default_factory=dict)
+
+    def moves(self, numbers: Numbers) -> Moves:
+        """The moves from the place on, with the way there in front.
+
+        Args:
+            numbers: told what is passed by.
+
+        Raises:
+            ProgramError: if there is no such place.
+        """
+        moves = self.source.moves()
+        return moves if self.place is None else self._from(self.place, moves, numbers)
+
+    def _from(self, place: Place, moves: Moves, numbers: Numbers) -> Moves:
+        """What lies before is read for what it leaves in force."""
+        kept: dict[type, canon.Move] = {}
+        # Gone on with, it begins where it stood then; else nothing says where it would be.
+        at = None if self.found is self.now else self.found.start_mm
+        facts, number = None, 0
+        while True:
+            try:
+                move = moves.send(facts)
+            except StopIteration:
+                raise _nothing_there(place) from None
+            if isinstance(move, canon.Breath):
+                facts = yield move
+                continue
+            number += 1
+            if not number % _MOVES_A_BREATH:
+                yield canon.Breath(move.line)
+            if isinstance(move, canon.End):
+                raise _nothing_there(place, move.line)
+            if place.is_reached(move, number):
+                break
+            numbers.pass_by()
+            facts = self.answers.get(number)
+            if isinstance(move, _MOTIONS):
+                at = facts.position_mm if facts else move.to
+            elif isinstance(move, _REPEATED):
+                kept[type(move)] = move
+        numbers.leave()
+        yield canon.Offsets(move.line)
+        yield from self._way_to(at, kept, move.line)
+        numbers.come_back()
+        facts = yield move
+        yield from _rest(moves, facts)
+
+    def _way_to(self, at: Point | None, kept: dict[type, canon.Move], line: int) -> _Way:
+        """From wherever the machine stands to where the program would be, with its outputs on."""
+        yield from _repeated(kept, canon.Tool, canon.PathControl)
+        over, down = self._legs(at, line)
+        yield from over
+        # A spindle is to turn before the tool goes down; a beam would cut on the way.
+        if self.now.has_laser:
+            yield from _repeated(kept, canon.Coolant)
+            yield from down
+            yield from _repeated(kept, canon.Spindle)
+        else:
+            yield from _repeated(kept, canon.Spindle, canon.Coolant)
+            yield from down
+
+    def _legs(self, at: Point | None, line: int) -> tuple[list[canon.Move], list[canon.Move]]:
+        """The way above the work, and the way down."""
+        if at is None:
+            return [], []
+        height = self.now.safe_height()
+        if height is None:
+            return [canon.Rapid(line, at)], []
+        top = height.at_least(at[height.axis])
+        feed_mm_min = self.source.modal.feed_mm_min or self.source.default_feed_mm_min
+        over: list[canon.Move] = [
+            canon.Rapid(line, top.at(self.now.start_mm)),
+            canon.Rapid(line, top.at(at)),
+        ]
+        return over, [canon.Feed(line, at, feed_mm_min)]
+
+
+def _nothing_there(place: Place, end_line: int = 0) -> ProgramError:
+    ends = f"; the program ends in line {end_line}" if end_line else ""
+    return ProgramError(f"there is nothing to run from line {place.line} on{ends}.", place.line)
 
 
 def _rest(moves: Moves, facts: canon.Facts | None) -> Moves:
@@ -101,42 +148,6 @@ def _rest(moves: Moves, facts: canon.Facts | None) -> Moves:
         except StopIteration:
             return
         facts = yield move
-
-
-def _way_to(
-    kept: dict[type, canon.Move], context: ProgramContext, source: ProgramSource, line: int
-) -> _Way:
-    """From wherever the machine stands to where the program would be, with its outputs on."""
-    yield from _repeated(kept, canon.Tool, canon.PathControl)
-    over, down = _legs(kept.get(canon.Rapid), context, source, line)
-    yield from over
-    # A spindle is to turn before the tool goes down; a beam would cut on the way.
-    if context.has_laser:
-        yield from _repeated(kept, canon.Coolant)
-        yield from down
-        yield from _repeated(kept, canon.Spindle)
-    else:
-        yield from _repeated(kept, canon.Spindle, canon.Coolant)
-        yield from down
-
-
-def _legs(
-    last: canon.Move | None, context: ProgramContext, source: ProgramSource, line: int
-) -> tuple[list[canon.Move], list[canon.Move]]:
-    """The way above the work, and the way down."""
-    if last is None:
-        return [], []
-    to: Point = last.to  # type: ignore[union-attr]
-    height = context.safe_height()
-    if height is None:
-        return [canon.Rapid(line, to)], []
-    top = height.at_least(to[height.axis])
-    feed_mm_min = source.modal.feed_mm_min or source.default_feed_mm_min
-    over: list[canon.Move] = [
-        canon.Rapid(line, top.at(source.start_mm)),
-        canon.Rapid(line, top.at(to)),
-    ]
-    return over, [canon.Feed(line, to, feed_mm_min)]
 
 
 def _repeated(kept: dict[type, canon.Move], *kinds: type[canon.Move]) -> _Way:

@@ -14,7 +14,7 @@ from typing import Any, Final
 from fraese import alarms
 from fraese.blocks import Block, WatchAction
 from fraese.control.controller import Controller
-from fraese.control.jobs import MOVE_BITS, STANDSTILL, TURN, Ask, Demand, Job
+from fraese.control.jobs import MOVE_BITS, STANDSTILL, TURN, Ask, Demand, Job, move_of
 from fraese.errors import ProbeError
 from fraese.gcode import canon
 from fraese.motor.seams import Ended, Report
@@ -39,6 +39,11 @@ class Numbers:
     def __init__(self) -> None:
         self.high = 0
         self.stride = 1 << MOVE_BITS
+
+    @property
+    def is_on_a_way(self) -> bool:
+        """What comes is no part of the program."""
+        return not self.stride
 
     def pass_by(self) -> None:
         """A move of the program that is not made."""
@@ -65,6 +70,7 @@ class Translation:
     Attributes:
         planner: what makes blocks of moves.
         numbers: of the move in hand.
+        answers: what barriers were answered, by the number of their move.
     """
 
     def __init__(self, context: ProgramContext, controller: Controller | None) -> None:
@@ -73,6 +79,7 @@ class Translation:
         self._override = 1.0
         self._probed_way: tuple[float, ...] = ()
         self.numbers = Numbers()
+        self.answers: dict[int, canon.Facts] = {}
         self.planner = Planner(
             context.machine, context.start_steps, context.options(), context.slack_steps
         )
@@ -97,6 +104,8 @@ class Translation:
             kind = type(move)
             if kind is not feed and kind is not rapid:
                 facts = yield from rows[kind](self, move)
+                if facts is not None:
+                    self.answers[move_of(high)] = facts
             elif self._probed_way:
                 yield from self._leave_contact(move)
             else:

@@ -12,7 +12,7 @@ from fraese.control.state import Status
 from fraese.errors import ProgramError
 from fraese.program import content, open_program
 from fraese.program.content import take
-from tests.helpers import after_slices, carriages, homed, program, run_program
+from tests.helpers import carriages, homed, program, run_program
 
 FIRST = (
     "G21 G90 F3000\n" + "".join(f"G1 X{n % 50} Y{n % 7}\n" for n in range(1, 400)) + "X5 Y3\nM2\n"
@@ -225,20 +225,3 @@ def test_a_copy_is_read_by_several_at_once(tmp_path: Path, size: int) -> None:
     for thread in threads:
         thread.join()
     assert read == [data[:size]] * 4
-
-
-def test_the_progress_says_which_program_it_is(tmp_path: Path) -> None:
-    made = homed()
-    part = program(tmp_path, "G21 G90 G1 X5 F600\nM2\n")
-    hashes: set[str] = set()
-
-    def look() -> None:
-        job = made.controller.state().job
-        assert job is not None
-        hashes.add(job.content_hash)
-
-    after_slices(made.controller, 0)
-    made.controller.set_break_key(look)
-    assert run_program(made, part) is Status.OK
-    assert hashes == {part.content_hash}
-    assert len(part.content_hash) == 64

@@ -27,6 +27,7 @@ from tests.helpers import (
     program,
     record,
     run_program,
+    touching_at,
 )
 
 SQUARE = "G21 G90 G0 Z-1\nG1 X10 F600\nY10\nX0\nY0\nG0 Z0\nM2\n"
@@ -373,18 +374,6 @@ def test_offsets_in_the_middle_of_a_straight_way_change_there(tmp_path: Path) ->
 
 
 # --- probing -------------------------------------------------------------------------------------
-
-
-def touching_at(made: Plant, steps: float) -> None:
-    """A plate under the probe: the shared switch closes while Z is at or below it."""
-    port = mill(made)
-    read = port.read_status
-
-    def read_status() -> int:
-        status = read()
-        return status & ~0x80 if carriages(made)[2] <= steps else status
-
-    port.read_status = read_status  # type: ignore[method-assign]
 
 
 def test_probe_against_the_shared_switch_and_go_away_again(tmp_path: Path) -> None:

@@ -1,0 +1,80 @@
+"""``fraese resume``: after a signal, a kill, an alarm, with the file as it was started."""
+
+import json
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.cli.test_session import begun, fraese
+
+PART = "G21 G90 F900\nG0 Z-1\nO1 REPEAT [3]\nG1 X12\nG1 X2\nO1 ENDREPEAT\nG1 X5 Y4\nM2\n"
+
+
+def _started(folder: Path) -> "subprocess.Popen[str]":
+    (folder / "part.ngc").write_text(PART, "utf-8")
+    assert fraese(folder, "home").returncode == 0
+    return begun(folder, "run", "part.ngc", "--real-time")
+
+
+def _where(folder: Path) -> dict[str, float]:
+    where = json.loads(fraese(folder, "where", "--json").stdout)
+    assert where["carriages_mm"] == pytest.approx(where["position_mm"], abs=1e-6)
+    found: dict[str, float] = where["position_mm"]
+    return found
+
+
+def test_after_a_signal_it_goes_on_at_once(tmp_path: Path) -> None:
+    process = _started(tmp_path)
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=15)
+    asked = fraese(tmp_path, "resume")
+    assert asked.returncode == 2
+    assert "part.ngc from line" in asked.stderr
+    assert "without a terminal add --yes" in asked.stderr
+    done = fraese(tmp_path, "resume", "--yes")
+    assert done.returncode == 0, done.stderr
+    assert _where(tmp_path) == {"x": 5, "y": 4, "z": -1}
+    again = fraese(tmp_path, "resume", "--yes")
+    assert again.returncode == 2
+    assert "nothing to go on with" in again.stderr
+
+
+def test_after_a_kill_the_machine_is_referenced_first(tmp_path: Path) -> None:
+    process = _started(tmp_path)
+    process.kill()
+    process.communicate(timeout=15)
+    refused = fraese(tmp_path, "resume", "--yes")
+    assert refused.returncode == 2
+    assert "reference first (fraese home)" in refused.stderr
+    assert fraese(tmp_path, "home").returncode == 0
+    assert fraese(tmp_path, "resume", "--yes").returncode == 0
+    assert _where(tmp_path) == {"x": 5, "y": 4, "z": -1}
+
+
+def test_an_edited_or_vanished_file_is_told_of_and_the_started_one_goes_on(tmp_path: Path) -> None:
+    process = _started(tmp_path)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=15)
+    (tmp_path / "part.ngc").write_text(PART.replace("X5 Y4", "X9 Y9"), "utf-8")
+    edited = fraese(tmp_path, "resume")
+    assert "has changed on disk" in edited.stderr
+    (tmp_path / "part.ngc").unlink()
+    done = fraese(tmp_path, "resume", "--yes")
+    assert "is gone" in done.stderr
+    assert done.returncode == 0
+    assert _where(tmp_path) == {"x": 5, "y": 4, "z": -1}
+
+
+def test_without_the_kept_copy_it_is_refused(tmp_path: Path) -> None:
+    process = _started(tmp_path)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=15)
+    for path in (tmp_path / "state" / "jobs").iterdir():
+        path.unlink()
+    before = _where(tmp_path)
+    refused = fraese(tmp_path, "resume", "--yes")
+    assert refused.returncode == 2
+    assert "kept copy" in refused.stderr
+    assert _where(tmp_path) == before
