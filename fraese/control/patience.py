@@ -1,6 +1,7 @@
 """How long the run loop waits for motors that do not get on.
 
-Rule 1: a wait that a person asked for (a hold, a question) may last for ever; no other one may.
+Rule 1: a wait that a person asked for (a hold, a question) may last for ever, and so may a program
+        that computes, which a person can end; no other one may.
 Rule 2: getting on is any change of place, queue or state, or an edge that is due later: at the
         slowest feeds a step takes minutes.
 Rule 3: only time in which the driver was looked after counts: a program that was stopped for a
@@ -45,7 +46,7 @@ class Patience:
 
         Args:
             report: the driver's last word.
-            excused: a person has asked for this wait.
+            excused: a person has asked for this wait, or nobody waits for motors.
         """
         now_ns = self._clock.now_ns()
         passed_ns = now_ns - self._looked_ns or self._slice_ns

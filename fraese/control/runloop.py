@@ -285,7 +285,7 @@ class RunLoop:
             # Nothing passes the time for us: the driver has nothing to play.
             self._clock.wait_until(self._clock.now_ns() + self._slice_ns)
         if status is Status.RUN and self._patience.is_over(
-            self._queue.report, excused=self.runner.waits_for_person
+            self._queue.report, excused=self.runner.waits_for_person or self.runner.computes
         ):
             self._refuse_to_wait()
         return status

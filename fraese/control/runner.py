@@ -32,6 +32,7 @@ class Runner:
     Attributes:
         failure: what the job failed with, if it did.
         question: what the operator is asked now; empty if nothing.
+        computes: the job does not wait for motors: it has more to compute.
     """
 
     def __init__(
@@ -43,6 +44,7 @@ class Runner:
         self._slice_s = slice_s
         self.failure: FraeseError | None = None
         self.question = ""
+        self.computes = False
         self._job: Job | None = None
         self._begun = False
         self._aside: Aside | None = None
@@ -194,6 +196,7 @@ class Runner:
             self._driver.brake()
 
     def _feed(self) -> None:
+        self.computes = False
         if not self._held and self._aside is not None and not self._aside.give_back():
             return
         ahead_s = self._queue.duration_s()
@@ -210,7 +213,7 @@ class Runner:
             self._pending = self._wait = None
             self._advance(self._job)
             if self._wait is TURN:
-                self._wait = None
+                self._wait, self.computes = None, True
                 return
 
     def _advance(self, job: Job) -> None:

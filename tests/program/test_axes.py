@@ -143,7 +143,9 @@ def test_a_coordinate_in_work_coordinates_and_the_state_over_a_restart(
 def test_another_name_or_socket_forgets_the_position(tmp_path: Path) -> None:
     table = {**STEPDIR, "axes": {"names": ["x", "y"], "y": {"travel_mm": 300}}}
     assemble(configured(**table), state=tmp_path).close()
-    assert not assemble(configured(**table), state=tmp_path).notes
+    again = assemble(configured(**table), state=tmp_path)
+    assert not again.notes
+    again.close()
     swapped = {"names": ["x", "y"], "x": {"motor": 2}, "y": {"motor": 1, "travel_mm": 300}}
     made = assemble(configured(**{**table, "axes": swapped}), state=tmp_path)
     assert "configured otherwise" in made.notes[0]
