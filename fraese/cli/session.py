@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Final
 
+from fraese.alarms import Trust
 from fraese.assembly import Plant
 from fraese.cli.departure import Departure
 from fraese.cli.output import note, result, say, show_progress, tell, wipe_progress
@@ -301,6 +302,7 @@ def refuse(error: FraeseError, *, as_json: bool) -> int:
         word = words.get(type(error), "refused")
         result(json.dumps({"status": word, "message": str(error), **_alarm_result(cause)}))
     note(f"fraese: {str(error).rstrip('.')}.")
-    if isinstance(cause, Alarm):
+    # Where nothing has moved, the sentence says what to do.
+    if isinstance(cause, Alarm) and cause.kind.trust is not Trust.UNMOVED:
         note(f"Alarm {cause.kind.number}. {cause.kind.advice()}")
     return error.exit_code
