@@ -16,6 +16,7 @@ from fraese.cli.session import AfterMotion
 from fraese.cli.shared import ConfigOption, Drive, FreshOption, StateOption, TraceOption, leave
 from fraese.errors import FraeseError, UsageError
 from fraese.program import open_program
+from fraese.program.interrupted import cut_short
 from fraese.program.kept import KeptPrograms
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ def _make_app(
     return FraeseApp(
         plant.controller,
         open_program=partial(open_program, apart=True, kept=kept),
-        notes=plant.notes,
+        notes=(*plant.notes, *cut_short(plant.controller.keep().job)),
         program=program,
         machine_name=plant.machine_name,
         hand=plant.press if plant.is_simulated else None,

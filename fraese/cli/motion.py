@@ -21,7 +21,7 @@ from fraese.control.controller import Controller
 from fraese.errors import Cancelled, UsageError
 from fraese.program import gone_on_with, open_program
 from fraese.program.context import ProgramContext
-from fraese.program.interrupted import Interrupted
+from fraese.program.interrupted import Interrupted, cut_short
 from fraese.program.kept import KeptPrograms
 
 FeedOption = Annotated[
@@ -219,4 +219,9 @@ def zero(
 @with_options
 def where(on: StartingPlace) -> None:
     """Say where the machine stands, without moving it; also while another program drives it."""
-    on.do(lambda controller: None, at_desk=not on.fresh)
+
+    def action(controller: Controller) -> None:
+        for sentence in cut_short(controller.keep().job):
+            note(sentence)
+
+    on.do(action, at_desk=not on.fresh)

@@ -145,6 +145,17 @@ class Interrupted(BaseModel):
         return {number: answer.facts() for number, answer in (self.answers or {}).items()}
 
 
+def cut_short(kept: Mapping[str, Any] | None) -> tuple[str, ...]:
+    """That there is a program to go on with: a sentence, or none."""
+    if kept is None:
+        return ()
+    try:
+        left = Interrupted.of(kept)
+    except ProgramError as error:
+        return (f"{str(error).capitalize()}",)
+    return (f"{left.name} was cut short in line {left.line}: fraese resume goes on with it.",)
+
+
 class JobNote:
     """What is kept of a job while it runs, to be read as ``Interrupted``.
 

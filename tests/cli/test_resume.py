@@ -29,6 +29,7 @@ def test_after_a_signal_it_goes_on_at_once(tmp_path: Path) -> None:
     process = _started(tmp_path)
     process.send_signal(signal.SIGTERM)
     process.communicate(timeout=15)
+    assert "part.ngc was cut short in line" in fraese(tmp_path, "where").stderr
     asked = fraese(tmp_path, "resume")
     assert asked.returncode == 2
     assert "part.ngc from line" in asked.stderr
@@ -39,6 +40,7 @@ def test_after_a_signal_it_goes_on_at_once(tmp_path: Path) -> None:
     again = fraese(tmp_path, "resume", "--yes")
     assert again.returncode == 2
     assert "nothing to go on with" in again.stderr
+    assert "cut short" not in fraese(tmp_path, "where").stderr
 
 
 def test_after_a_kill_the_machine_is_referenced_first(tmp_path: Path) -> None:
