@@ -22,6 +22,7 @@
 #include "layout.h"
 
 #define WANT _SFR_IO_ADDR(GPIOR0)
+#define IS_THROTTLED 4
 #define MAY_RUN_DRY 6
 #define IS_LATE 7
 #define SAVED_SREG _SFR_IO_ADDR(GPIOR1)
@@ -905,6 +906,7 @@ find_fall:
     lds  r22, card + CARD_PULSE + 1
     tst  r22
     brne 1f
+    sbis WANT, IS_THROTTLED
     rjmp \back
 1:  call_c player_clocks_late
     rjmp \back
@@ -937,7 +939,10 @@ to_rise:
 fall_wished:
     cpi  r20, MODE_LAST_FALL
     brsh slow_fall
-    rcall dry_is_ahead
+    cpi  r24, 1 << IS_THROTTLED
+    brne 2f
+    rjmp fall_throttled
+2:  rcall dry_is_ahead
     brne fall_unwished
 slow_fall:                          // r20: the mode says whether the next edge is made out
     ldi  r24, 1
@@ -1034,6 +1039,60 @@ clocks_done:
     sts  beat, r26
     sts  beat + 1, r24
     rjmp set_timer
+
+// Between two moves of the throttle the next tick takes what this one took: throttle_goes_on.
+3:  rjmp slow_fall
+fall_throttled:
+    load_block
+    ldd  r25, Y + BLOCK_RAMPS
+    cpi  r25, RAMP_SLOW
+    breq 3b
+    lds  r24, throttle + THROTTLE_IS_STEADY
+    tst  r24
+    breq 3b
+    lds  r18, player + PLAYER_CYCLES
+    lds  r19, player + PLAYER_CYCLES + 1
+    ldd  r22, Y + BLOCK_INTERVAL + 1
+    ldd  r23, Y + BLOCK_INTERVAL + 2
+    cp   r18, r22                   // the plan is slower
+    cpc  r19, r23
+    brlo 3b
+    lds  r22, throttle + THROTTLE_ELAPSED
+    lds  r23, throttle + THROTTLE_ELAPSED + 1
+    add  r22, r18
+    adc  r23, r19
+    brcs 3b
+    lds  r24, throttle + THROTTLE_STEADY_UNTIL
+    lds  r25, throttle + THROTTLE_STEADY_UNTIL + 1
+    cp   r22, r24
+    cpc  r23, r25
+    brlo 1f
+    lds  r24, throttle + THROTTLE_MARK
+    lds  r25, throttle + THROTTLE_MARK + 1
+    or   r24, r25
+    lds  r25, throttle + THROTTLE_RATE_OWED
+    or   r24, r25
+    brne 3b
+    sts  throttle + THROTTLE_MARK, r22
+    sts  throttle + THROTTLE_MARK + 1, r23
+    movw r24, r22
+    subi r24, lo8(-(THROTTLE_AHEAD))
+    sbci r25, hi8(-(THROTTLE_AHEAD))
+    sts  throttle + THROTTLE_STEADY_UNTIL, r24
+    sts  throttle + THROTTLE_STEADY_UNTIL + 1, r25
+    lds  r24, throttle + THROTTLE_TURN
+    inc  r24
+    sts  throttle + THROTTLE_TURN, r24
+1:  sts  throttle + THROTTLE_ELAPSED, r22
+    sts  throttle + THROTTLE_ELAPSED + 1, r23
+    movw r22, r18
+    lsr  r23
+    ror  r22
+    sts  player + PLAYER_FALL, r22
+    sts  player + PLAYER_FALL + 1, r23
+    sub  r18, r22
+    sbc  r19, r23
+    rjmp to_rise
 
 clocks_none_narrow:
     ldd  r21, Y + BLOCK_WIDE

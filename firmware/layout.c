@@ -87,6 +87,12 @@ AT(player, wait_cycles, PLAYER_WAIT);
 AT(throttle, dry_point, THROTTLE_DRY_POINT);
 AT(throttle, dry_serial, THROTTLE_DRY_SERIAL);
 AT(throttle, dry_tick, THROTTLE_DRY_TICK);
+AT(throttle, is_steady, THROTTLE_IS_STEADY);
+AT(throttle, steady_until, THROTTLE_STEADY_UNTIL);
+AT(throttle, elapsed, THROTTLE_ELAPSED);
+AT(throttle, mark, THROTTLE_MARK);
+AT(throttle, turn, THROTTLE_TURN);
+AT(throttle, rate_owed, THROTTLE_RATE_OWED);
 
 AT(beat, end, BEAT_END);
 AT(beat, mask, BEAT_MASK);

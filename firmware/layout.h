@@ -85,6 +85,15 @@
 #define THROTTLE_DRY_POINT 0
 #define THROTTLE_DRY_SERIAL 1
 #define THROTTLE_DRY_TICK 3
+#define THROTTLE_TURN 7
+#define THROTTLE_IS_STEADY 8
+#define THROTTLE_STEADY_UNTIL 9
+#define THROTTLE_ELAPSED 13
+#define THROTTLE_MARK 17
+#define THROTTLE_RATE_OWED 21
+/* From the decision of a move until it counts, where beats.S decides: at high rates the main loop has
+ * little time for it. */
+#define THROTTLE_AHEAD 8192
 
 /* What the next interrupt is. Bits tell those apart that beats.S plays itself. */
 #define MODE_PHASES 0

@@ -95,7 +95,21 @@ SELDOM static void note_late(uint16_t late, uint32_t interval)
     player.late_ticks += much;
 }
 
-uint32_t player_last(void)
+/* Clock lines: where the throttle chose too late, the pulse becomes as long as the pause was. The tick
+ * is slower by both, which in a brake nobody minds. */
+SELDOM static void note_late_rise(uint16_t late)
+{
+    uint16_t due = player.due;
+    note_late(late, player.cycles);
+    if (!is_half_duty() || !wished(IS_THROTTLED))
+        return;
+    player.due = due + late;
+    player.fall_cycles += late;
+    if (player.block->ramps == RAMP_STEADY)
+        player.block->ramps = RAMP_NONE; /* the next pulse is the plan's again */
+}
+
+SELDOM uint32_t player_last(void)
 {
     if (!player.cycles || (player.beats_left && player.done == player.chosen_at))
         return player.last_cycles;
@@ -483,7 +497,7 @@ static uint8_t play_rise(void)
     }
     beat.pins[0] = PIN_STATUS;
     if (late)
-        note_late(late, player.cycles);
+        note_late_rise(late);
     bool has_fallen = is_brief();
     if (has_fallen) {
         player.due += (uint16_t)player.fall_cycles;
@@ -518,7 +532,10 @@ uint8_t player_fell(void)
 /* A write of clock lines came late: rise or fall. */
 void player_clocks_late(void)
 {
-    note_late(player.late, MODE & _BV(MODE_FALLS) ? player.cycles >> 1 : player.cycles);
+    if (MODE & _BV(MODE_FALLS))
+        note_late(player.late, player.cycles >> 1);
+    else
+        note_late_rise(player.late);
 }
 
 /* An interval that runs, chosen anew for a brake or a stop; false: no tick follows. */

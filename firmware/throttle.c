@@ -36,7 +36,7 @@ static void collect_rate(void)
     }
 }
 
-static void settle_rate(void)
+SELDOM static void settle_rate(void)
 {
     collect_rate();
     if (!throttle.rate_owed)
@@ -195,7 +195,7 @@ static uint32_t ceiling_of(struct block *block)
     return block->ceiling_q8;
 }
 
-static void mind_ceiling(uint32_t ceiling, uint32_t last)
+SELDOM static void mind_ceiling(uint32_t ceiling, uint32_t last)
 {
     if (throttle.ceiling_q8 != ceiling)
         throttle.turn++;
@@ -274,8 +274,9 @@ bool throttle_choose(uint32_t *cycles, bool again)
     if (throttle.state != state || throttle.owes_signals)
         run_show_ramp();
     unwish(IS_LIMITED);
-    throttle.is_steady = throttle.state != OPEN && *cycles == throttle.cycles;
     throttle.steady_until = throttle.mark ? throttle.mark + LATENCY_CYCLES : SLICE_CYCLES;
+    throttle.is_steady = throttle.state != OPEN && *cycles == throttle.cycles
+        && !((throttle.elapsed | throttle.steady_until) >> 16);
     if (throttle.state == OPEN)
         unwish(IS_THROTTLED);
     else

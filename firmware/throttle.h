@@ -34,14 +34,14 @@ struct throttle {
     ticks_t dry_tick;
     volatile uint8_t state;
     uint8_t turn;
-    bool is_steady;     /* nothing changes before `elapsed` reaches `steady_until` */
+    bool is_steady;     /* nothing changes before `elapsed` reaches `steady_until`; both fit 16 bits */
     uint32_t steady_until;
+    uint32_t elapsed;
+    uint32_t mark;      /* elapsed when the move was decided; 0: none waits */
     bool rate_owed;     /* rate_q8 is RATE / rate_of, not worked out yet */
     uint32_t rate_of;
     uint32_t rate_q8;
     uint32_t cycles;    /* the interval it allows */
-    uint32_t elapsed;
-    uint32_t mark;      /* elapsed when the move was decided; 0: none waits */
     uint32_t accel_q, jump_q8, jump_cycles;
     uint32_t ceiling_q8; /* 0: none */
     uint8_t ready;      /* turn that `next_*` was worked out for */
