@@ -276,7 +276,7 @@ bool throttle_choose(uint32_t *cycles, bool again)
     unwish(IS_LIMITED);
     throttle.steady_until = throttle.mark ? throttle.mark + LATENCY_CYCLES : SLICE_CYCLES;
     throttle.is_steady = throttle.state != OPEN && *cycles == throttle.cycles
-        && !((throttle.elapsed | throttle.steady_until) >> 16);
+        && !((throttle.elapsed | throttle.steady_until) >> 16); /* beats.S has 16 bits for them */
     if (throttle.state == OPEN)
         unwish(IS_THROTTLED);
     else

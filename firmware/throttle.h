@@ -15,6 +15,10 @@
  * Rule 2: all of this runs where an interval is chosen, in the interrupt. What takes a division is
  *         worked out ahead by the main loop (throttle_work_ahead). What is not ready when it is needed
  *         is worked out on the spot, and counted: late_throttle.
+ *         Clock lines: then the pulse becomes as long as its pause (player.c: note_late_rise), and
+ *         between two moves beats.S takes the same interval again and decides the next move by itself
+ *         (fall_throttled). Such a move counts after THROTTLE_AHEAD: a tick or more later than the
+ *         core's where intervals are shorter than that.
  * Rule 3: while it is open and nothing is wished, blocks are taken in hand without it; their limits
  *         are owed, and settled before anything is decided.
  * Rule 4: `turn` changes with every change that makes work done ahead worthless; a result counts
