@@ -983,6 +983,7 @@ fall_unsteady:
 1:  keep_last
     sts  player + PLAYER_CYCLES, r18
     sts  player + PLAYER_CYCLES + 1, r19
+halve:
     movw r22, r18
     lsr  r23
     ror  r22
@@ -1047,7 +1048,9 @@ fall_throttled:
     ldd  r25, Y + BLOCK_RAMPS
     cpi  r25, RAMP_SLOW
     breq 3b
-    lds  r24, throttle + THROTTLE_IS_STEADY
+    ldi  r30, lo8(throttle)
+    ldi  r31, hi8(throttle)
+    ldd  r24, Z + THROTTLE_IS_STEADY
     tst  r24
     breq 3b
     lds  r18, player + PLAYER_CYCLES
@@ -1057,42 +1060,36 @@ fall_throttled:
     cp   r18, r22                   // the plan is slower
     cpc  r19, r23
     brlo 3b
-    lds  r22, throttle + THROTTLE_ELAPSED
-    lds  r23, throttle + THROTTLE_ELAPSED + 1
+    ldd  r22, Z + THROTTLE_ELAPSED
+    ldd  r23, Z + THROTTLE_ELAPSED + 1
     add  r22, r18
     adc  r23, r19
     brcs 3b
-    lds  r24, throttle + THROTTLE_STEADY_UNTIL
-    lds  r25, throttle + THROTTLE_STEADY_UNTIL + 1
+    ldd  r24, Z + THROTTLE_STEADY_UNTIL
+    ldd  r25, Z + THROTTLE_STEADY_UNTIL + 1
     cp   r22, r24
     cpc  r23, r25
     brlo 1f
-    lds  r24, throttle + THROTTLE_MARK
-    lds  r25, throttle + THROTTLE_MARK + 1
+    ldd  r24, Z + THROTTLE_MARK
+    ldd  r25, Z + THROTTLE_MARK + 1
     or   r24, r25
-    lds  r25, throttle + THROTTLE_RATE_OWED
+    ldd  r25, Z + THROTTLE_RATE_OWED
     or   r24, r25
     brne 3b
-    sts  throttle + THROTTLE_MARK, r22
-    sts  throttle + THROTTLE_MARK + 1, r23
+    std  Z + THROTTLE_MARK, r22
+    std  Z + THROTTLE_MARK + 1, r23
     movw r24, r22
     subi r24, lo8(-(THROTTLE_AHEAD))
     sbci r25, hi8(-(THROTTLE_AHEAD))
-    sts  throttle + THROTTLE_STEADY_UNTIL, r24
-    sts  throttle + THROTTLE_STEADY_UNTIL + 1, r25
-    lds  r24, throttle + THROTTLE_TURN
+    std  Z + THROTTLE_STEADY_UNTIL, r24
+    std  Z + THROTTLE_STEADY_UNTIL + 1, r25
+    ldd  r24, Z + THROTTLE_TURN
     inc  r24
-    sts  throttle + THROTTLE_TURN, r24
-1:  sts  throttle + THROTTLE_ELAPSED, r22
-    sts  throttle + THROTTLE_ELAPSED + 1, r23
-    movw r22, r18
-    lsr  r23
-    ror  r22
-    sts  player + PLAYER_FALL, r22
-    sts  player + PLAYER_FALL + 1, r23
-    sub  r18, r22
-    sbc  r19, r23
-    rjmp to_rise
+    std  Z + THROTTLE_TURN, r24
+1:  std  Z + THROTTLE_ELAPSED, r22
+    std  Z + THROTTLE_ELAPSED + 1, r23
+    ldi  r25, RAMP_FAST             // the plan is no matter
+    rjmp halve
 
 clocks_none_narrow:
     ldd  r21, Y + BLOCK_WIDE

@@ -36,7 +36,7 @@ static void collect_rate(void)
     }
 }
 
-SELDOM static void settle_rate(void)
+static void settle_rate(void)
 {
     collect_rate();
     if (!throttle.rate_owed)
@@ -195,7 +195,7 @@ static uint32_t ceiling_of(struct block *block)
     return block->ceiling_q8;
 }
 
-SELDOM static void mind_ceiling(uint32_t ceiling, uint32_t last)
+static void mind_ceiling(uint32_t ceiling, uint32_t last)
 {
     if (throttle.ceiling_q8 != ceiling)
         throttle.turn++;
