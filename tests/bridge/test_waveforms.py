@@ -92,6 +92,8 @@ def test_a_brake_or_a_stop_at_any_rate(urgent: int, block: Block, part: float) -
 
 #: A tick of a brake before which the throttle moves, chosen with its interval just begun.
 LONGEST_CYCLES = 3300
+#: The same where the move was not worked out ahead, since a report was made meanwhile.
+LONGEST_REPORTED_CYCLES = 6400
 
 
 @pytest.mark.parametrize("reported", [False, True])
@@ -119,7 +121,8 @@ def test_a_brake_from_a_high_rate(rate_hz: int, reported: bool) -> None:
     ticks = [after - rise for rise, after in pairwise(rise_at)]
     jumps = [after for tick, after in pairwise(ticks) if after > 1.3 * tick and after < 8000]
     assert len(jumps) <= max(4, len(ticks) / 14)
-    assert all(tick <= LONGEST_CYCLES for tick in jumps)
+    longest = LONGEST_REPORTED_CYCLES if reported else LONGEST_CYCLES
+    assert all(tick <= longest for tick in jumps)
 
 
 def assert_cut_short(urgent: int, block: Block, part: float) -> None:
