@@ -18,6 +18,7 @@ import pytest
 pytest.importorskip("pty")
 
 from textual.events import Key
+from textual.widgets import Input
 
 from fraese.config import Config
 from fraese.ui.screenwriter import ScreenWriter
@@ -456,5 +457,22 @@ def test_a_refused_key_that_is_held_fills_neither_screen_nor_memory() -> None:
             assert "notice 19" in shown
             await b.press("ctrl+c")
             await b.settled()
+
+    play(scene)
+
+
+@pytest.mark.parametrize("key", ["g", "o"])
+def test_a_text_that_is_typed_has_an_end(key: str) -> None:
+    """Each key in a long text takes longer than the one before: the quit key would wait."""
+
+    async def scene() -> None:
+        async with bench() as b:
+            await b.press(key)
+            field = b.app.screen.query_one(Input)
+            field.insert_text_at_cursor("1" * 400)
+            for _ in range(100):
+                field.insert_text_at_cursor("1" * 100)
+            assert 400 <= len(field.value) <= 2000
+            await b.press("escape")
 
     play(scene)

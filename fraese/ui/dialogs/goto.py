@@ -14,6 +14,8 @@ from fraese.ui.shape import Shape
 from fraese.ui.widgets.fact import Fact
 
 _NUMBERS = ("10", "5", "-1", "90")
+#: Of all axes, with every digit that counts.
+_LONGEST = 500
 
 
 class From(Enum):
@@ -62,7 +64,7 @@ class GoToDialog(Dialog[GoTo]):
 
     def inner(self) -> ComposeResult:
         """One input, one choice."""
-        yield Input(self._text, placeholder=example(self._shape), id="target")
+        yield Input(self._text, placeholder=example(self._shape), id="target", max_length=_LONGEST)
         yield Fact("counted from", classes="label")
         with RadioSet(id="counted-from"):
             for choice in From:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
+from typing import Final
 
 from rich.text import Text, TextType
 from textual import on
@@ -13,6 +14,9 @@ from textual.widgets import DirectoryTree, Input
 from fraese.plaintext import dotted, plain
 from fraese.ui.dialogs.dialog import Dialog
 from fraese.ui.keys import Area, KeyTable
+
+#: A key in a longer text takes longer than the next needs to come.
+_LONGEST: Final = 2_000
 
 
 class FileTree(DirectoryTree):
@@ -60,7 +64,9 @@ class OpenDialog(Dialog[Path]):
 
     def inner(self) -> ComposeResult:
         """Input and tree."""
-        yield PathInput(self._path, placeholder="path of a program file", id="file")
+        yield PathInput(
+            self._path, placeholder="path of a program file", id="file", max_length=_LONGEST
+        )
         yield FileTree(self._folder, id="tree")
 
     @on(DirectoryTree.FileSelected)
