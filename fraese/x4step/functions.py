@@ -20,6 +20,7 @@ from fraese.x4step.codes import (
     X4Failure,
     X4NoErr,
 )
+from fraese.x4step.complaints import complain
 from fraese.x4step.machine import X4Step
 from fraese.x4step.verdicts import Asked, Rows
 
@@ -185,6 +186,6 @@ def _answer(action: Callable[[], object]) -> X4Error:
     except X4Failure as failure:
         return failure.code
     except (PortError, ConfigError, TraceError) as error:
-        surroundings.complain(str(error))
+        complain(str(error))
         return X4ErrLPTNotFound
     return X4NoErr

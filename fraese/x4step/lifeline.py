@@ -15,7 +15,7 @@ import threading
 from types import FrameType
 from typing import Any, Final, Protocol
 
-from fraese.x4step.surroundings import complain
+from fraese.x4step.complaints import complain
 
 _SIGNALS: Final = tuple(
     getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)

@@ -21,6 +21,7 @@ from fraese.x4step.codes import (
     X4Failure,
     X4NoErr,
 )
+from fraese.x4step.complaints import complain
 from fraese.x4step.lpt import Opened
 from fraese.x4step.motion import Motion
 from fraese.x4step.owner import Facts, Owner, ThreadedOwner
@@ -74,7 +75,7 @@ class X4Step:
             self._owner = self._owned(around)
         except BaseException:
             self._opened.driver.close()
-            self._opened.let_go(surroundings.complain)
+            self._opened.let_go(complain)
             raise
         self.brake_codes(())
         lifeline.hold(self)
@@ -83,11 +84,9 @@ class X4Step:
         motion, reader = Motion(self._opened.driver), around.keyboard.reader()
         # A port on the machine's own clock does not wait for anybody.
         if around.is_lockstep and not isinstance(self._clock, MonotonicClock):
-            return Owner(motion, self._clock, reader, surroundings.complain)
+            return Owner(motion, self._clock, reader, complain)
         opened = self._opened
-        return ThreadedOwner(
-            motion, self._clock, reader, surroundings.complain, opened.slice_s, opened.idle_s
-        )
+        return ThreadedOwner(motion, self._clock, reader, complain, opened.slice_s, opened.idle_s)
 
     def __enter__(self) -> Self:
         return self
@@ -291,7 +290,7 @@ class X4Step:
             try:
                 self._opened.driver.close()
             finally:
-                self._opened.let_go(surroundings.complain)
+                self._opened.let_go(complain)
 
     @property
     def is_open(self) -> bool:

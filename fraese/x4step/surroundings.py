@@ -27,9 +27,10 @@ from fraese.config import Config
 from fraese.config.file import load
 from fraese.config.x4step import KeysName, X4StepConfig
 from fraese.errors import ConfigError
-from fraese.log import LogFile, write
+from fraese.log import LogFile
 from fraese.motor.pins import STATUS_PINS
 from fraese.motor.seams import Clock
+from fraese.x4step.complaints import complain
 from fraese.x4step.keys import Keyboard, NoKeys, ToldKeys
 from fraese.x4step.lpt import Opened, Wanted, open_lpt, port_config
 
@@ -255,12 +256,6 @@ def pin_levels(text: str) -> dict[int, bool]:
             )
         levels[int(pin)] = _LEVELS[level.lower()]
     return levels
-
-
-def complain(sentence: str) -> None:
-    """Tell a person, who has only a number in their program."""
-    write("x4step", "port", "error", sentence)
-    sys.stderr.write(f"x4step: {sentence}\n")
 
 
 _in_place: list[Surroundings] = []

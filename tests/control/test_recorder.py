@@ -159,18 +159,22 @@ def test_the_program_and_its_line_are_kept(tmp_path: Path) -> None:
     made = assemble(configured(), state=tmp_path)
     part = program(tmp_path, ZIGZAG)
     part.start(made.controller)
-    lines: list[int] = []
-    made.controller.set_break_key(
-        lambda: lines.append((kept(tmp_path)["job"] or {}).get("line", 0))
-    )
+    seen: list[tuple[str, str, int]] = []
+
+    def look() -> None:
+        job = kept(tmp_path)["job"]
+        if job is not None:
+            seen.append((job["name"], job["content_hash"], job["line"]))
+
+    made.controller.set_break_key(look)
     assert made.controller.run() is Status.OK
-    made.controller.jog("x", 1)
-    made.controller.run()
     made.close()
-    job = kept(tmp_path)["job"]
-    assert (job["name"], len(job["content_hash"]), job["ended"]) == ("part.ngc", 64, True)
+    assert {(name, content) for name, content, _ in seen} == {("part.ngc", part.content_hash)}
+    lines = [line for *_, line in seen]
     assert lines == sorted(lines)
     assert lines[-1] > 10
+    # It came to its end: there is nothing to go on with.
+    assert kept(tmp_path)["job"] is None
 
 
 # --- bounds --------------------------------------------------------------------------------------
