@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import Final
 
 #: From motors off and state kept to the end: longer than last words take, short for who waits.
-_PATIENCE_S: Final = 1.0
+_PATIENCE_S: Final = 0.7
 
 
 class Departure:

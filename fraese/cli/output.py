@@ -29,7 +29,7 @@ _ROOM_CHARACTERS: Final = 1_000_000
 _PIECE_BYTES: Final = 1024
 _LOOK_EVERY_S: Final = 0.05
 #: After a signal nobody is waited for any longer than this.
-_LAST_WORDS_S: Final = 0.4
+_LAST_WORDS_S: Final = 0.15
 _WIPE: Final = "\r\x1b[K"
 _STANDARD: Final = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
 
