@@ -22,8 +22,8 @@ from fraese.errors import ProgramError, StateError
 from fraese.gcode import canon
 from fraese.program.context import ProgramContext
 
-#: A record has no room for what more probes found.
-_MOST_ANSWERS: Final = 500
+#: A record of the state has no room for what more probes found.
+_MOST_ANSWERS: Final = 64
 
 
 class Answer(BaseModel):

@@ -2,19 +2,34 @@
 
 import json
 import random
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from fraese.assembly import Plant
+from fraese.assembly import Plant, assemble
 from fraese.control.jobs import move_of
 from fraese.control.state import Status
 from fraese.errors import ProgramError, StateError
+from fraese.gcode import canon
+from fraese.journal.pages import MOST_BYTES
 from fraese.program import Program
 from fraese.program.context import ProgramContext
-from fraese.program.interrupted import Interrupted
-from tests.helpers import after_slices, carriages, homed, program, run_program, touching_at
+from fraese.program.interrupted import Interrupted, JobNote
+from fraese.workframe import FIRST_SYSTEM, PERSISTENT, ROTATION, SYSTEM_STRIDE, SYSTEMS
+from tests.helpers import (
+    STEPDIR,
+    after_slices,
+    carriages,
+    configured,
+    homed,
+    program,
+    run_program,
+    touching_at,
+)
+
+ROTATIONS = {FIRST_SYSTEM + ROTATION + SYSTEM_STRIDE * n for n in range(len(SYSTEMS))}
 
 LOOPS = """G21 G90 G64 F900
 M3 S1000
@@ -222,3 +237,32 @@ def test_what_a_probe_found_is_not_asked_again(tmp_path: Path) -> None:
     assert _go_on(made, part, left) is Status.OK
     assert made.controller.state().work_mm == pytest.approx((0, 0, 1))
     assert made.controller.state().position_mm[2] == pytest.approx(-9, abs=0.01)
+
+
+def test_of_many_probes_the_job_is_kept_but_not_gone_on_with(tmp_path: Path) -> None:
+    """A record of the state has an end; a program that probes on and on runs all the same."""
+    made = assemble(configured(), state=tmp_path / "state")
+    probes = "".join(f"G38.3 X{n % 2} F3000\n" for n in range(600))
+    part = program(tmp_path, f"G21 G90\n{probes}G1 X5 F60\nM2\n")
+    left = _interrupted(made, part, 601)
+    made.close()
+    assert left.answers is None
+    with pytest.raises(StateError, match="probed more than 64 times"):
+        left.require_same_machine(ProgramContext.of(made.controller))
+
+
+def test_the_largest_job_fits_a_record() -> None:
+    """Four axes, every parameter that belongs to one, and numbers of all their digits."""
+    long = 0.1234567890123456 * 1e3
+    axes = configured(**STEPDIR, axes={"names": list("xyza")})
+    start = replace(
+        ProgramContext.of(assemble(axes).controller),
+        parameters={n: long for n in PERSISTENT if (n - 5161) % 20 < 4 or n in ROTATIONS},
+    )
+    facts = canon.Facts((long,) * 4, touched=True, contact_mm=(long,) * 4)
+    note = JobNote("n" * 255, "f" * 64, start, dict.fromkeys(range(1, 65), facts))
+    now = {number: -value for number, value in start.parameters.items()}
+    state = assemble(axes).controller.keep().model_copy(update={"job": note.at(99 << 32, now)})
+    state = state.model_copy(update={"parameters": now, "simulation": ((long,) * 4,) * 4})
+    assert len(note.at(99 << 32, now)["answers"]) == 64
+    assert len(state.model_dump_json()) < 0.9 * MOST_BYTES
