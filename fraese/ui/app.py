@@ -99,7 +99,8 @@ class FraeseApp(App[None]):
         self._has_crashed = False
         self._said_until_s: dict[str, float] = {}
         self._in_app: Callable[[Callable[[], object]], object] = lambda action: None
-        self._on_its_way = 0
+        # Each is counted up by one thread only: what two count gets lost.
+        self._typed = self._queued = 0
         super().__init__()
         self._keys = KeyTable(self.link.shape)
         self._repeats = RepeatRule()
@@ -214,16 +215,17 @@ class FraeseApp(App[None]):
 
     def backlog(self) -> int:
         """So many things that were typed wait to be done; from any thread."""
-        return self._on_its_way + sum(each.message_queue_size for each in self.screen_stack[-1:])
+        on_its_way = self._typed - self._queued
+        return on_its_way + sum(each.message_queue_size for each in self.screen_stack[-1:])
 
     def hears(self) -> None:
         """One more was typed; from the terminal's thread."""
-        self._on_its_way += 1
+        self._typed += 1
         self._in_app(self._has_heard)
 
     def _has_heard(self) -> None:
         # What was typed lies in the queue now, behind this.
-        self._on_its_way = max(0, self._on_its_way - 1)
+        self._queued += 1
 
     def draw_all(self) -> None:
         """The terminal is read again, and has not seen all; from any thread."""

@@ -24,7 +24,7 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.events import Key, MouseEvent, Paste, Resize
 from textual.message import Message
 
-from fraese.ui.keys import STOP_KEYS
+from fraese.ui.keys import STOP_BYTE, STOP_BYTE_KEY, STOP_KEYS
 from fraese.ui.screenwriter import ScreenWriter
 
 _LOOK_EVERY_S: Final = 0.1
@@ -37,8 +37,6 @@ _PASTE_CHARACTERS: Final = 5_000
 _LONGEST_PASTE: Final = 1_000_000
 #: Within a paste nothing comes for so long: its end was lost.
 _PASTE_SILENCE_S: Final = 0.5
-#: Also where it stands in the middle of something else.
-_BRAKE: Final = Key("ctrl+c", "\x03")
 #: A screen is not larger; a torn report of its size may say so.
 _MOST_CELLS: Final = 2_000
 
@@ -67,16 +65,21 @@ class Terminal(LinuxDriver):
             self._screen.write(data)
 
     def stop_application_mode(self) -> None:
-        """Give the terminal back."""
+        r"""Give the terminal back: at first its picture, at last its keys.
+
+        The other way round, a Ctrl+\ that comes meanwhile would end us in between. What was typed
+        for the app is not for the shell.
+        """
+        as_before, self.attrs_before = self.attrs_before, None
         if self._screen is not None:
             self._screen.begin_last_words()
         super().stop_application_mode()
-
-    def close(self) -> None:
-        """Nothing is drawn any more."""
         if self._screen is not None:
             self._screen.close()
-        super().close()
+        with contextlib.suppress(termios.error):
+            if as_before is not None:
+                termios.tcflush(self.fileno, termios.TCIFLUSH)
+                termios.tcsetattr(self.fileno, termios.TCSANOW, as_before)
 
     # --- in --------------------------------------------------------------------------------------
 
@@ -135,21 +138,23 @@ class _Keys:
         try:
             for message in chain(self._parser.feed(text) if text else (), self._parser.tick()):
                 told = True
-                braked |= _is_one_of(message, (_BRAKE.key,))
+                braked |= _is_one_of(message, (STOP_BYTE_KEY,))
                 yield message
         except Exception:
             # It has lost its place: it begins anew with what comes next.
             self._begin_anew()
-        if "\x03" in text and not braked:
-            yield Key(_BRAKE.key, _BRAKE.character)
+        if STOP_BYTE in text and not braked:
+            # It stands in the middle of something else.
+            yield Key(STOP_BYTE_KEY, STOP_BYTE)
         self._watch(text, told)
 
     def _watch(self, text: str, told: bool) -> None:
         """A paste whose end was lost swallows every key that follows: it is given up.
 
-        Whatever swallows and says nothing is given up so, when the terminal has been silent.
+        Whatever swallows and says nothing is given up so, when the terminal has been silent. What
+        the parser tells in the silence, because its own patience is over, may be half of it.
         """
-        if told:
+        if told and text:
             self._swallowed = 0
         self._swallowed += len(text)
         self._silent_s = 0.0 if text else self._silent_s + _LOOK_EVERY_S
@@ -158,7 +163,11 @@ class _Keys:
             self._begin_anew()
 
     def _begin_anew(self) -> None:
-        self._parser = XTermParser(self._debug)
+        before, self._parser = self._parser, XTermParser(self._debug)
+        # What the terminal has told of itself stays.
+        self._parser.mouse_pixels = before.mouse_pixels
+        self._parser.terminal_size = before.terminal_size
+        self._parser.terminal_pixel_size = before.terminal_pixel_size
         self._swallowed = 0
 
 

@@ -194,7 +194,8 @@ def test_nonsense_does_not_end_the_app(tmp_path: Path, nonsense: bytes) -> None:
         pty.type(b"g")
         typed = threading.Thread(target=pty.type, args=(nonsense,))
         typed.start()
-        while typed.is_alive() or pty.read(0.5):
+        # A cursor that blinks, twice a second, is no news.
+        while typed.is_alive() or pty.read(0.2):
             pty.read(0.05)
         assert pty.process.poll() is None
         pty.type(QUIT)
@@ -220,6 +221,7 @@ def test_a_paste_without_an_end_swallows_no_stop_key(tmp_path: Path) -> None:
         [b"\x1b[200~text", b"", b"", b"\x1b", b"", b"", b"[201~"],
         [b"\x1b[200~text\x1b[20", b"", b"", b"1~"],
         [b"\x1b[2", b"00~text"],
+        [b"\x1b[200~text\x1b[D7"],
         [b"\x1b[200~" + b"x" * 400_000] * 3,
     ],
 )
@@ -309,7 +311,7 @@ def type_at(folder: Path, typed: Iterator[tuple[int, bytes]], told: object) -> N
 
 @pytest.mark.alone
 def test_the_app_lives_whatever_is_typed(tmp_path: Path) -> None:
-    seed = random.randrange(1 << 32)
+    seed = random.randrange(1 << 32) if FACTOR > 1 else 20
     typed = iter(list(enumerate(itertools.islice(sequences(seed), SEQUENCES))))
     left = True
     while left:
@@ -364,7 +366,7 @@ def test_nothing_foreign_reaches_the_terminal(tmp_path: Path) -> None:
             while time.monotonic() < until_s:
                 pty.read(0.1)
             pty.type(keys)
-        while pty.read(0.5):
+        while pty.read(0.2):
             pass
         seen += pty.drawn
         pty.type(QUIT)
