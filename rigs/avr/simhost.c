@@ -50,7 +50,7 @@ struct host {
     int log;
     volatile struct shared *shared;
     uint8_t driven[3], level[3];
-    int had_client, owed, stalls;
+    int had_client, dtr, owed, stalls;
     uint64_t boot_until_cycle;
     double wall_start_s; /* when simulated time was 0, moved on when time was lost */
 };
@@ -93,10 +93,12 @@ static void follow_shared(struct host *host) {
     shared->client = (uint8_t)host->had_client;
 }
 
-/* A client that opens the port pulls DTR, which resets an Arduino. */
+/* A client that opens the port pulls DTR, which resets an Arduino, unless the last one left it so. */
 static void follow_client(struct host *host) {
     int has_client = tty_has_client(&host->tty);
-    if (has_client && !host->had_client && !host->options.keep_running) {
+    if (!has_client && host->had_client)
+        host->dtr = !tty_hangs_up(&host->tty);
+    if (has_client && !host->had_client && !host->dtr && !host->options.keep_running) {
         sim_drop_backlog(host->sim);
         sim_reset(host->sim);
         host->boot_until_cycle =

@@ -25,7 +25,7 @@ static int make_raw(const char *name) {
         return -1;
     int failed = ioctl(slave, TCGETS2, &settings);
     settings.c_iflag = settings.c_oflag = settings.c_lflag = 0;
-    settings.c_cflag = (settings.c_cflag & ~(CSIZE | PARENB)) | CS8 | CREAD | CLOCAL;
+    settings.c_cflag = (settings.c_cflag & ~(CSIZE | PARENB)) | CS8 | CREAD | CLOCAL | HUPCL;
     failed = failed || ioctl(slave, TCSETS2, &settings);
     close(slave);
     return failed ? -1 : 0;
@@ -58,6 +58,11 @@ static int ready(const tty_t *tty, short events, int timeout_ms) {
 
 int tty_has_client(const tty_t *tty) {
     return tty->master >= 0 && !(ready(tty, 0, 0) & POLLHUP);
+}
+
+int tty_hangs_up(const tty_t *tty) {
+    struct termios2 settings;
+    return tty->master < 0 || ioctl(tty->master, TCGETS2, &settings) || settings.c_cflag & HUPCL;
 }
 
 unsigned tty_baud(const tty_t *tty) {

@@ -16,6 +16,8 @@ int tty_plug(tty_t *tty, const char *link);
 /* The client reads an end of file, and the link is gone. */
 void tty_unplug(tty_t *tty);
 int tty_has_client(const tty_t *tty);
+/* Whether DTR falls when the client closes the port, as far as it has set that (HUPCL). */
+int tty_hangs_up(const tty_t *tty);
 /* The baud rate the client has set; 0 without a client. */
 unsigned tty_baud(const tty_t *tty);
 size_t tty_read(const tty_t *tty, uint8_t *bytes, size_t room);

@@ -13,6 +13,8 @@ import math
 
 from fraese.errors import PortError
 from fraese.motor.bridge.driver import BridgeDriver
+from fraese.motor.bridge.ledger import Ledger
+from fraese.motor.bridge.line import OpenLine
 from fraese.motor.clock import VirtualClock
 from fraese.motor.seams import CONTROL, DATA, End
 from rigs.avr.board import UNO, Decoder
@@ -154,20 +156,23 @@ class FirmwareBench:
         self._options = (capacity, safe_outputs, silence_s)
         self.driver = self.another_driver()
 
-    def another_driver(self) -> BridgeDriver:
+    def another_driver(
+        self, open_line: OpenLine | None = None, ledger: Ledger | None = None
+    ) -> BridgeDriver:
         """A program that finds the chip as it is."""
         capacity, safe_outputs, silence_s = self._options
         return BridgeDriver(
-            self._open,
+            open_line or self.open_line,
             self.twin.card,
             self.clock,
             capacity=capacity,
             safe_outputs=safe_outputs,
             silence_s=silence_s,
             patience_s=0.3,
+            ledger=ledger or Ledger(),
         )
 
-    def _open(self) -> ChipLine:
+    def open_line(self) -> ChipLine:
         line = ChipLine(self.chip)
         line._require_plug()
         self.lines.append(line)

@@ -1,9 +1,12 @@
 """The serial port, with a pseudo-terminal in its place: whose it is, and what is said otherwise."""
 
 import errno
+import fcntl
 import os
 import subprocess
 import sys
+import termios
+from array import array
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,6 +16,9 @@ from fraese.errors import PortError
 from fraese.motor.bridge.line import SerialLine
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="a pty takes the port's place")
+
+#: Asks for settings with any rate, which is the last of eleven numbers.
+TCGETS2 = 0x802C542A
 
 #: Opens a port as a program does that has never heard of locks; root would be let in.
 STRANGER = """
@@ -57,6 +63,22 @@ def test_a_second_one_of_us_is_told_so(port: str) -> None:
         SerialLine(port, 250_000)
     line.close()
     SerialLine(port, 250_000).close()
+
+
+@pytest.mark.parametrize("baud", [115_200, 250_000])
+def test_a_port_that_is_closed_does_not_hang_up(port: str, baud: int) -> None:
+    """With DTR an Arduino would be reset, and forget what it knows."""
+    fd = os.open(port, os.O_RDWR | os.O_NOCTTY)
+    settings = termios.tcgetattr(fd)
+    termios.tcsetattr(
+        fd, termios.TCSANOW, [*settings[:2], settings[2] | termios.HUPCL, *settings[3:]]
+    )
+    SerialLine(port, baud).close()
+    assert not termios.tcgetattr(fd)[2] & termios.HUPCL
+    numbers = array("I", bytes(64))
+    fcntl.ioctl(fd, TCGETS2, numbers)
+    assert numbers[10] == baud
+    os.close(fd)
 
 
 def test_a_port_that_is_gone_can_be_closed() -> None:

@@ -1,5 +1,6 @@
 """The simulated ATmega328P behind a serial port, as a client of that port sees it."""
 
+import termios
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -77,6 +78,21 @@ def test_opening_the_port_resets_nothing_where_dtr_is_cut(start: Start) -> None:
         pass
     host.stop()
     assert [cause for _, cause in resets(host.events())] == [0x01]
+
+
+def test_opening_the_port_resets_nothing_where_the_last_client_did_not_hang_up(
+    start: Start,
+) -> None:
+    host = start()
+    with opened(host) as client:
+        settings = termios.tcgetattr(client.fileno())
+        settings[2] &= ~termios.HUPCL
+        termios.tcsetattr(client.fileno(), termios.TCSANOW, settings)
+    until(lambda: not host.has_client)
+    with opened(host):
+        pass
+    host.stop()
+    assert [cause for _, cause in resets(host.events())] == [0x01, 0x02]
 
 
 def test_a_boot_loader_swallows_what_comes_too_early(start: Start) -> None:

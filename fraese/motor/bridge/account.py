@@ -19,13 +19,13 @@ from typing import Final, NamedTuple
 from fraese.blocks import Block, steps_done
 from fraese.motor.bridge.codec import Place, Status
 from fraese.motor.bridge.constants import More, State
+from fraese.motor.bridge.ledger import Ledger, StepCounts
 from fraese.motor.seams import End
 
 #: Blocks that are remembered after they were played: more than can end within the lag of a contact.
 _REMEMBERED: Final = 512
 _SERIALS: Final = 0x10000
-
-StepCounts = tuple[int, ...]
+_NOBODY: Final = Ledger()
 
 
 class Counts(NamedTuple):
@@ -53,17 +53,30 @@ class _Sent(NamedTuple):
 
     def counts(self, done: int, moved: int) -> Counts:
         """After so many of its ticks, and the step of some motors more."""
-        return self.start.after(
-            tuple(
-                (1 if n > 0 else -1) * (self._steps(abs(n), done) + (moved >> motor & 1))
-                if n
-                else 0
-                for motor, n in enumerate(self.block.steps)
-            )
-        )
+        return self.start.after(steps_in(self.block.steps, self.ticks, done, moved))
 
-    def _steps(self, total: int, done: int) -> int:
-        return steps_done(total, self.ticks, done)
+
+def steps_in(steps: StepCounts, ticks: int, done: int, moved: int) -> StepCounts:
+    """What a part of a block comes to, per motor.
+
+    Args:
+        steps: all of the block's,
+        ticks: and how many ticks it has.
+        done: of them were played.
+        moved: motors, a bit each, that have moved already in the next one.
+    """
+    return tuple(
+        (1 if n > 0 else -1) * (steps_done(abs(n), ticks, done) + (moved >> motor & 1)) if n else 0
+        for motor, n in enumerate(steps)
+    )
+
+
+def torn_serial(status: Status) -> int | None:
+    """The block in which motors stopped without ramp above their start/stop rate; None: none."""
+    if not status.state & State.TORN:
+        return None
+    back = (status.place.serial - status.torn_serial) & 0xFF
+    return (status.place.serial - back) % _SERIALS
 
 
 class Account:
@@ -74,6 +87,7 @@ class Account:
         pushed: blocks that were pushed before this session,
         counts: and the counts that they came to,
         finished: and how many of them were played to their end.
+        ledger: is told of every block before it is sent.
 
     Attributes:
         pushed: number of the last block that was pushed.
@@ -85,10 +99,16 @@ class Account:
     """
 
     def __init__(
-        self, motors: int, pushed: int = 0, counts: Counts | None = None, finished: int = 0
+        self,
+        motors: int,
+        pushed: int = 0,
+        counts: Counts | None = None,
+        finished: int = 0,
+        ledger: Ledger = _NOBODY,
     ) -> None:
         nothing = Counts((0,) * motors, (0,) * motors)
         self.pushed = pushed
+        self._ledger = ledger
         self.finished = self._settled_finished = finished
         self.counts = counts or nothing
         self.candidates: frozenset[End] = frozenset()
@@ -112,6 +132,7 @@ class Account:
         """A block is sent, or will be; its number."""
         self.pushed += 1
         sent = _Sent(self.pushed, self._next_serial, block, block.ticks(), self._end_counts)
+        self._ledger.note(sent.serial, block.steps, sent.ticks, sent.start.position)
         self._next_serial = (self._next_serial + 1) % _SERIALS
         self._sent.append(sent)
         self._by_serial[sent.serial] = sent
@@ -243,9 +264,7 @@ class Account:
             self.latched_steps = sent and sent.counts(place.done, place.moved).position
 
     def _torn_by(self, status: Status) -> frozenset[int]:
-        if not status.state & State.TORN:
-            return frozenset()
-        back = (status.place.serial - status.torn_serial) & 0xFF
-        sent = self._by_serial.get((status.place.serial - back) % _SERIALS)
+        serial = torn_serial(status)
+        sent = None if serial is None else self._by_serial.get(serial)
         steps = sent.block.steps if sent else ()
         return frozenset(motor for motor, n in enumerate(steps) if n)

@@ -29,6 +29,7 @@ from fraese.motor.bridge.codec import Status
 from fraese.motor.bridge.connection import MODES, Connection
 from fraese.motor.bridge.fromcard import card_facts
 from fraese.motor.bridge.greeting import PATIENCE_S
+from fraese.motor.bridge.ledger import Ledger
 from fraese.motor.bridge.line import OpenLine
 from fraese.motor.bridge.outbox import Outbox
 from fraese.motor.bridge.picture import Picture
@@ -63,6 +64,7 @@ class BridgeDriver:
         name: of the line, for sentences.
         baud: its rate, likewise.
         patience_s: so long is the first greeting repeated.
+        ledger: is told what the next program must know of a device that lives on; closed with this.
 
     Raises:
         PortError: if the device is not there, or not one.
@@ -81,6 +83,7 @@ class BridgeDriver:
         name: str = "the line",
         baud: int = c.DEFAULT_BAUD,
         patience_s: float = PATIENCE_S,
+        ledger: Ledger = Ledger(),  # noqa: B008 (writes nothing)
     ) -> None:
         facts = card_facts(
             card,
@@ -98,7 +101,8 @@ class BridgeDriver:
         self._override_q8 = self._override_sent_q8 = Q8
         self._stopping = False
         self._closed = False
-        self._picture = Picture(card, has_table=bool(facts.table))
+        self._ledger = ledger
+        self._picture = Picture(card, has_table=bool(facts.table), ledger=ledger)
         self._session: Session | None = None
         self._search = Search(self._connecting_again, clock, name)
         finish(self._connecting(again=False))
@@ -207,6 +211,7 @@ class BridgeDriver:
         self._closed = True
         self._search.close()
         session, self._session = self._session, None
+        self._ledger.close()
         if session is not None:
             session.close()
 
@@ -366,6 +371,7 @@ class BridgeDriver:
         )
         try:
             self._override_sent_q8 = override_q8
+            self._open_ledger(session)
             self._outbox = Outbox(session.link, session.hello.ring)
             self._picture.begin((yield from session.asking()), session.link)
             session.listener = partial(self._hear, session)
@@ -375,3 +381,7 @@ class BridgeDriver:
             raise
         self._stopping = False
         self._session = session
+
+    def _open_ledger(self, session: Session) -> None:
+        table, counts = self._connection.facts.table, self._picture.account.counts.position
+        self._ledger.begin(session.number, len(table), counts, self._card.phases())

@@ -3,7 +3,9 @@
 Rule 1: a write is whole and may come from any thread: a brake need not wait for whoever reads.
 Rule 2: a port is ours alone. Programs that ask (flock) are told by pyserial; all others but root's
         are refused by the kernel (TIOCEXCL), until the port is given back.
-Rule 3: a board that looks like an Arduino is known by the maker of its USB chip; nothing is opened
+Rule 3: a port that is closed does not hang up: on an Arduino that line (DTR) is the reset, and a
+        device that lived on through the end of its program is to be asked what it knows.
+Rule 4: a board that looks like an Arduino is known by the maker of its USB chip; nothing is opened
         to find out, since opening resets it.
 """
 
@@ -85,6 +87,7 @@ class SerialLine:
                 exclusive=True,
             )
             _keep_others_out(self._port, True)
+            _hold_up_when_closed(self._port)
         except (OSError, ValueError) as error:
             raise PortError(_refusal(device, baud, error)) from error
 
@@ -151,6 +154,20 @@ def _keep_others_out(port: serial.Serial, wanted: bool) -> None:
     import termios
 
     fcntl.ioctl(port.fileno(), termios.TIOCEXCL if wanted else termios.TIOCNXCL)
+
+
+def _hold_up_when_closed(port: serial.Serial) -> None:
+    """See rule 3; it holds for whoever opens the port next, until the plug is pulled."""
+    if sys.platform == "win32":
+        return
+    import termios
+
+    settings = termios.tcgetattr(port.fileno())
+    settings[2] &= ~termios.HUPCL
+    # Here a rate is one of a list; the true one is set again by the library.
+    settings[4] = settings[5] = termios.B38400
+    termios.tcsetattr(port.fileno(), termios.TCSANOW, settings)
+    port.baudrate = port.baudrate
 
 
 class SerialPort(NamedTuple):

@@ -13,6 +13,7 @@ from fraese.blocks import CYCLES_PER_S
 from fraese.motor.bridge.account import Account
 from fraese.motor.bridge.codec import Status
 from fraese.motor.bridge.constants import State, ended_of
+from fraese.motor.bridge.ledger import Ledger
 from fraese.motor.bridge.link import Link
 from fraese.motor.seams import Card, Ended, Report
 
@@ -25,6 +26,7 @@ class Picture:
     Args:
         card: for its motors and phases.
         has_table: phases are the device's; else they are net pulses.
+        ledger: is told of every block before it is sent.
 
     Attributes:
         account: blocks and counts of this session.
@@ -32,14 +34,15 @@ class Picture:
         ended: why the motors stand.
     """
 
-    def __init__(self, card: Card, *, has_table: bool) -> None:
+    def __init__(self, card: Card, *, has_table: bool, ledger: Ledger) -> None:
         self._card = card
         self._has_table = has_table
+        self._ledger = ledger
         self._base_phases = card.phases()
         self._is_torn = False
         self._late_ticks = self._dry_queues = 0
         self._status_ns = 0
-        self.account = Account(card.motors)
+        self.account = Account(card.motors, ledger=ledger)
         self.status: Status
         self.ended = Ended.NOT
 
@@ -56,7 +59,9 @@ class Picture:
         self._card.set_phases(self.phases())
         self._base_phases = self._card.phases()
         last = self.account
-        self.account = Account(self._card.motors, last.pushed, last.counts, last.finished)
+        self.account = Account(
+            self._card.motors, last.pushed, last.counts, last.finished, self._ledger
+        )
         if not self._has_table:
             self._base_phases = tuple(
                 a - b for a, b in zip(self._base_phases, last.counts.position, strict=True)

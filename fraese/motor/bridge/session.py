@@ -90,6 +90,7 @@ class Session:
 
     Attributes:
         line: as given.
+        number: likewise.
         hello: what the device said of itself.
         link: what is under way.
         listener: told of every STATUS.
@@ -98,6 +99,7 @@ class Session:
 
     def __init__(self, line: Line, clock: Clock, name: str, number: int, hello: Hello) -> None:
         self.line = line
+        self.number = number
         self.hello = hello
         self._clock = clock
         self._name = name

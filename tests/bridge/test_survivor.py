@@ -1,0 +1,174 @@
+"""A host that is killed, and what its device still knows: claim against the carriages."""
+
+import random
+from pathlib import Path
+
+import pytest
+
+from fraese.motor.bridge.codec import hello
+from fraese.motor.bridge.driver import BridgeDriver
+from fraese.motor.bridge.ledger import SIZE, FileLedger, book_in
+from fraese.motor.bridge.survivor import ask
+from fraese.motor.realtime.lastwords import LastWords
+from fraese.motor.seams import Ended
+from tests.bridge.device import reason_to_skip
+from tests.bridge.dying import BOOT, TOKEN, left, until_killed
+from tests.bridge.firmwaremill import CYCLES_PER_S, FirmwareBench
+from tests.motor.workbench import line
+
+needs_firmware = pytest.mark.skipif(bool(reason_to_skip()), reason=reason_to_skip())
+
+
+def errands(chance: random.Random, driver: BridgeDriver) -> None:
+    """Lines here and there, for ever; now and then braked, stopped, or at rest."""
+    while True:
+        for _ in range(chance.randint(1, 30)):
+            driver.push(line(*(chance.randint(-60, 60) for _ in range(3))))
+        driver.poll(chance.uniform(0, 0.15))
+        if chance.randrange(4):
+            continue
+        act = chance.choice((driver.brake, driver.stop, lambda: None))
+        act()
+        while driver.poll(0.01).running:
+            pass
+        driver.flush()
+
+
+def killed_on_errands(bench: FirmwareBench, ledger: Path, chance: random.Random) -> None:
+    at_cycle = bench.chip.avr.cycle + round(chance.uniform(0.05, 0.8) * CYCLES_PER_S)
+    last_bytes = chance.choice((0, 0, 1, 7, 30))
+    until_killed(bench, ledger, lambda driver: errands(chance, driver), at_cycle, last_bytes)
+
+
+def killed_in_a_line(bench: FirmwareBench, ledger: Path) -> None:
+    def live(driver: BridgeDriver) -> None:
+        driver.push(line(3000, -300))
+        while True:
+            driver.poll(0.1)
+
+    until_killed(bench, ledger, live, bench.chip.avr.cycle + CYCLES_PER_S // 5)
+
+
+def asked(bench: FirmwareBench, ledger: Path) -> LastWords | None:
+    return ask(bench.open_line, bench.clock, left(ledger))
+
+
+@needs_firmware
+@pytest.mark.parametrize("wiring", ["smc", "x4step"])
+def test_killed_at_any_moment_it_is_known_to_the_step(wiring: str, tmp_path: Path) -> None:
+    chance = random.Random(wiring)
+    bench = FirmwareBench(wiring, silence_s=0.5)
+    for number in range(4):
+        ledger, before = tmp_path / str(number), bench.carriages()
+        killed_on_errands(bench, ledger, chance)
+        bench.wait(chance.choice((0, 0.1, 1.0)))
+        words = asked(bench, ledger)
+        made = tuple(b - a for a, b in zip(before, bench.carriages(), strict=True))
+        assert words is not None
+        assert words.position_steps == made
+        bench.twin.card.set_phases(words.phases)
+    # Programs went on from there, without a jump of a rotor.
+    assert bench.lost() == (0, 0, 0)
+
+
+@needs_firmware
+def test_a_device_that_fell_silent_says_why_and_one_in_motion_is_braked(tmp_path: Path) -> None:
+    bench, ledger = FirmwareBench("smc", silence_s=0.5), tmp_path / "ledger"
+    killed_in_a_line(bench, ledger)
+    since_ns = bench.clock.now_ns()
+    words = asked(bench, ledger)
+    assert words is not None
+    assert (words.token, words.ended, words.torn) == (TOKEN, Ended.NOT, frozenset())
+    assert words.position_steps == tuple(map(round, bench.carriages()))
+    assert bench.clock.now_ns() - since_ns < 500_000_000
+    bench.wait(1.0)
+    later = asked(bench, ledger)
+    assert later is not None
+    assert (later.position_steps, later.ended) == (words.position_steps, Ended.SILENCE)
+    assert {line.closed for line in bench.lines[1:]} == {True}
+
+
+@needs_firmware
+@pytest.mark.parametrize("fault", ["reset", "greeted", "driven", "mute", "gone"])
+def test_another_session_is_never_believed(fault: str, tmp_path: Path) -> None:
+    bench, ledger = FirmwareBench("smc", silence_s=0.5), tmp_path / "ledger"
+    killed_in_a_line(bench, ledger)
+    bench.wait(1.0)
+    if fault == "reset":
+        bench.chip.avr.reset()
+        bench.wait(0.05)
+    elif fault == "greeted":
+        bench.open_line().write(hello(left(ledger).session ^ 1))
+        bench.wait(0.05)
+    elif fault == "driven":
+        other = bench.another_driver()
+        other.push(line(50))
+        while other.poll(0.1).running:
+            pass
+    elif fault == "mute":
+        bench.chip.avr.set_host_baud(9600)
+    else:
+        bench.unplug()
+    assert asked(bench, ledger) is None
+
+
+def written(tmp_path: Path) -> bytes:
+    """A ledger in which blocks have the numbers 1 to 600."""
+    path = tmp_path / "ledger"
+    with path.open("wb", buffering=0) as file:
+        ledger = FileLedger(file, TOKEN, BOOT)
+        ledger.begin(77, 8, (5, -5, 0), (1, 2, 3))
+        for serial in range(1, 601):
+            ledger.note(serial, (serial, 0, -1), serial, (0, serial, 0))
+    return path.read_bytes()
+
+
+def test_the_last_blocks_are_found_by_their_numbers(tmp_path: Path) -> None:
+    book = book_in(written(tmp_path))
+    assert book is not None
+    assert (book.token, book.boot, book.session, book.table) == (TOKEN, BOOT, 77, 8)
+    assert (book.counts, book.phases) == ((5, -5, 0), (1, 2, 3))
+    entry = book.entry(600)
+    assert entry is not None
+    assert (entry.ticks, entry.steps, entry.start) == (600, (600, 0, -1), (0, 600, 0))
+    assert book.entry(89) is not None
+    assert (book.entry(88), book.entry(601), book.entry(0)) == (None, None, None)
+
+
+def test_a_changed_byte_is_no_block_and_no_ledger(tmp_path: Path) -> None:
+    sound = written(tmp_path)
+    whole = book_in(sound)
+    assert whole is not None
+    entries = [whole.entry(serial) for serial in range(89, 601)]
+    chance = random.Random(1)
+    for at in (*range(128), *(chance.randrange(SIZE) for _ in range(60))):
+        data = bytearray(sound)
+        data[at] ^= 1 << chance.randrange(8)
+        book = book_in(bytes(data))
+        if book is None:
+            continue
+        assert (book.token, book.boot) == (TOKEN, BOOT)
+        assert {book.entry(serial) for serial in range(89, 601)} <= {None, *entries}
+    assert book_in(sound[:-1]) is None
+
+
+def test_blocks_of_an_earlier_session_are_none(tmp_path: Path) -> None:
+    path = tmp_path / "ledger"
+    with path.open("wb", buffering=0) as file:
+        ledger = FileLedger(file, TOKEN, BOOT)
+        ledger.begin(77, 0, (0,), (0,))
+        ledger.note(1, (9,), 9, (0,))
+        ledger.begin(78, 0, (9,), (9,))
+    book = book_in(path.read_bytes())
+    assert book is not None
+    assert book.entry(1) is None
+    assert book.entry(0) == (0, 0, (0,), (9,))
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no such device")
+def test_a_full_disk_is_nobodys_fault() -> None:
+    with open("/dev/full", "wb", buffering=0) as file:
+        ledger = FileLedger(file, TOKEN, BOOT)
+        ledger.begin(77, 0, (0,), (0,))
+        ledger.note(1, (9,), 9, (0,))
+        ledger.close()
