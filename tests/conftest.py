@@ -10,10 +10,19 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
-#: Folders of tests in which processes, threads or terminals run in real time.
-_ALONE = ("contracts", "doctor", "realtime", "rigs", "ui")
+#: Folders of tests in which processes or terminals run in real time, in most of their files.
+_ALONE = ("doctor", "realtime", "rigs")
 #: The same, in other folders.
-_ALONE_FILES = ("bridge/test_stack.py", "cli/test_session.py", "control/test_worker.py")
+_ALONE_FILES = (
+    "bridge/test_stack.py",
+    "cli/test_session.py",
+    "contracts/test_clock.py",
+    "contracts/test_port.py",
+    "control/test_worker.py",
+    "ui/test_stopkey.py",
+)
+#: And where the step process is one peer of several.
+_ALONE_PEER = "child on"
 _HERE = Path(__file__).parent
 
 settings.register_profile(
@@ -43,5 +52,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark who must be alone."""
     for item in items:
         path = item.path.relative_to(_HERE)
-        if path.parts[0] in _ALONE or path.as_posix() in _ALONE_FILES:
+        alone = path.parts[0] in _ALONE or path.as_posix() in _ALONE_FILES
+        if alone or _ALONE_PEER in item.name:
             item.add_marker(pytest.mark.alone)

@@ -322,6 +322,11 @@ class FraeseApp(App[None]):
         if state is not None:
             self._draw(state)
 
+    def _draw_what_was_before(self) -> None:
+        """A state that waits for its frame would wipe a sentence that is newer than it."""
+        if self._draw_planned:
+            self._draw_latest()
+
     def _draw(self, state: MachineState) -> None:
         before, self._state = self._state, state
         if state.message != before.message or state.status is not before.status:
@@ -367,10 +372,12 @@ class FraeseApp(App[None]):
 
     def on_refused(self, message: Refused) -> None:
         """A command was refused."""
+        self._draw_what_was_before()
         self.view.refuse(message.sentence)
 
     def on_noted(self, message: Noted) -> None:
         """Something to know."""
+        self._draw_what_was_before()
         self.view.note(message.sentence, message.warning)
 
 

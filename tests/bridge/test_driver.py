@@ -64,7 +64,7 @@ class TestQueue:
         self, bench: FirmwareBench
     ) -> None:
         # Long records: the way changes in every block.
-        blocks = [steady(40 + n, -n, n // 2, rate_hz=900 + n) for n in range(100)]
+        blocks = [steady(40 + n, -n, n // 2, rate_hz=3000 + n) for n in range(100)]
         taken = 0
         report = bench.driver.poll(0)
         while taken < len(blocks) or report.running:

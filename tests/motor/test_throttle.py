@@ -4,7 +4,7 @@ import itertools
 from functools import cache
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fraese.blocks import (
@@ -435,6 +435,7 @@ class TestBudgets:
         )
         assert self.wire(1e-6, blocks, wiring) == self.wire(10, blocks, wiring)
 
+    @settings(max_examples=30)
     @given(
         budget_us=st.integers(40, 3000),
         wiring=st.sampled_from(["smc", "x4step"]),

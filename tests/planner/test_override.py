@@ -20,7 +20,7 @@ def loaded(blocks: list[Block], name: str = "built-in") -> Bench:
     return made
 
 
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(
     st.sampled_from(sorted(MACHINES)),
     PATHS,

@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import textual.app
+import textual.pilot
+from textual._wait import wait_for_idle
 from textual.pilot import Pilot
 
 from fraese.assembly import Plant, assemble
@@ -31,6 +34,19 @@ _PATIENCE_S = 60.0
 _LONG_MM = 30_000
 LONG_MOVE_MM = 0.8 * _LONG_MM
 LONG = Config.model_validate({"axes": {"x": {"travel_mm": _LONG_MM}}})
+
+
+#: A key has been heard by then. A machine in its own time leaves the process no idle moment, and
+#: Textual would wait for one for two seconds a key.
+_HEARD_S = 0.1
+
+
+async def _until_heard(min_sleep: float = 0.02, max_sleep: float = _HEARD_S) -> None:
+    await wait_for_idle(min_sleep, min(max_sleep, _HEARD_S))
+
+
+setattr(textual.app, "wait_for_idle", _until_heard)
+setattr(textual.pilot, "wait_for_idle", _until_heard)
 
 
 @dataclass(frozen=True)
