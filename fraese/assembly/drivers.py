@@ -15,6 +15,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 from fraese.assembly.simulation import simulated_mill
+from fraese.assembly.survivors import Opening, ledger_of
 from fraese.assembly.tracing import LocalTrace, Trace, Wanted, closed_on_failure
 from fraese.config import Config
 from fraese.config.wiring import PortConfig
@@ -53,6 +54,7 @@ class Order:
         kept: how a simulated mill was left.
         trace: a waveform that is wanted; None: none is.
         lock: descriptor that says who drives the machine, for a process that makes the steps.
+        opening: which opening of the machine it is; None: nothing is kept.
     """
 
     config: Config
@@ -61,6 +63,7 @@ class Order:
     kept: SavedState | None
     trace: Wanted | None = None
     lock: int | None = None
+    opening: Opening | None = None
 
     @property
     def switch(self) -> SwitchInput:
@@ -197,6 +200,7 @@ def _on_bridge(order: Order) -> Made:
         switch=order.switch,
         settle_s=order.settle_s,
         safe_outputs=order.safe_outputs,
+        opening=order.opening,
     )
 
 
@@ -209,6 +213,7 @@ def bridge_driver(
     switch: SwitchInput,
     settle_s: float = 0.0,
     safe_outputs: int = 0,
+    opening: Opening | None = None,
 ) -> Made:
     """A microcontroller, and the waveform of what it plays, if one is wanted.
 
@@ -219,9 +224,9 @@ def bridge_driver(
     # Nobody else needs pyserial.
     from fraese.motor.bridge.driver import BridgeDriver
     from fraese.motor.bridge.lifesign import LifeSign
-    from fraese.motor.bridge.line import SerialLine, only_candidate, serial_ports
+    from fraese.motor.bridge.line import SerialLine, chosen_port
 
-    device = port.device or only_candidate(serial_ports())
+    device = chosen_port(port.device)
     clock = MonotonicClock()
     waveform = wanted.begin() if wanted else None
     driver: StepDriver
@@ -236,6 +241,7 @@ def bridge_driver(
             silence_s=config.realtime.silence_of_bridge_s,
             name=device,
             baud=port.baud,
+            ledger=ledger_of(opening),
         )
         LifeSign(bridge, config.realtime.busy_s).start()
     trace = None

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from fraese.assembly.meaning import fits_old, still_meant
+from fraese.assembly.survivors import KNOWN, known
 from fraese.config import Config
 from fraese.control.savedstate import SavedState, state_in
 from fraese.errors import ConfigError
@@ -77,17 +78,31 @@ class Keeping:
         Raises:
             ConfigError: if it cannot be read, is damaged, or from a newer version.
         """
+        notes: list[str] = []
         found = self.journal.read()
         if found is not None:
             axes = len(self._machine.axes)
             record = state_in(found.payload, axes, str(self.path))
-            kept: SavedState | None = record.believed(is_trusted=found.is_trusted)
+            kept: SavedState | None = None
+            if to_write and found.is_trusted:
+                kept = self._of_survivor(record)
+                notes += [KNOWN] if kept else []
+            kept = kept or record.believed(is_trusted=found.is_trusted)
         else:
             kept = self._from_old(to_write=to_write)
         if kept is None:
             return None, []
         meant, forgotten = still_meant(kept, self._config, self._machine)
-        return meant, [forgotten] if forgotten else []
+        return meant, [forgotten] if forgotten else notes
+
+    def _of_survivor(self, record: SavedState) -> SavedState | None:
+        """See ``known``; it can be asked but once, so the answer is written down."""
+        kept = known(record, self._config, self._machine, self.path)
+        if kept is not None:
+            # Where no record can be written nothing will move.
+            with contextlib.suppress(ConfigError):
+                self.write(kept, durable=True)
+        return kept
 
     def _from_old(self, *, to_write: bool) -> SavedState | None:
         """See rule 3."""

@@ -18,6 +18,7 @@ from fraese.assembly.keeping import Keeping, closed_on_failure
 from fraese.assembly.meaning import meaning
 from fraese.assembly.misfits import misfits
 from fraese.assembly.onlooker import MillOnlooker
+from fraese.assembly.survivors import Opening
 from fraese.assembly.tracing import Trace, Wanted, wanted
 from fraese.config import Config
 from fraese.control.controller import Controller
@@ -26,6 +27,7 @@ from fraese.control.savedstate import SavedState
 from fraese.log import LogFile
 from fraese.machine import Machine
 from fraese.motor.awake import Awake
+from fraese.motor.bridge.ledger import TOKEN_BYTES
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import Clock
 
@@ -182,7 +184,9 @@ def _put_together(
         card.set_phases(state.phases)
     kind = "simulation" if at_desk else config.port.kind
     lock = None if keeping is None else keeping.descriptor
-    made = DRIVERS[kind](Order(config, card, clock, state, trace, lock))
+    session = secrets.token_hex(TOKEN_BYTES // 2)
+    opening = None if keeping is None else Opening(session.encode(), keeping.path)
+    made = DRIVERS[kind](Order(config, card, clock, state, trace, lock, opening))
     log = LogFile(
         Path(config.log.file) if config.log.file else (folder or state_folder()) / "fraese.log"
     )
@@ -206,7 +210,7 @@ def _put_together(
         controller.take_up(state)
         doubt = controller.position.doubt_in_words()
         notes += [doubt] if doubt and not kept.is_driven else []
-    recorder.begin(_facts(controller, config, mill))
+    recorder.begin(_facts(controller, config, mill, session))
     every = (*notes, *made.notes, *misfits(config))
     rest = made.awake, onlooker, made.trace, recorder
     return Plant(controller, made.clock, mill, keeping, config, every, *rest)
@@ -225,7 +229,7 @@ def _recorder(
 
 
 def _facts(
-    controller: Controller, config: Config, mill: SimulatedMill | None
+    controller: Controller, config: Config, mill: SimulatedMill | None, session: str
 ) -> Callable[[], SavedState]:
     """What is to be kept; called in the run loop's thread.
 
@@ -233,8 +237,9 @@ def _facts(
         controller: knows where the machine is,
         config: and what its steps mean.
         mill: knows how it is left.
+        session: which opening of the machine this is.
     """
-    always = {"axes": meaning(config, controller.machine), "session": secrets.token_hex(8)}
+    always = {"axes": meaning(config, controller.machine), "session": session}
 
     def facts() -> SavedState:
         simulation = () if mill is None else tuple((*state,) for state in mill.states())

@@ -1,12 +1,14 @@
 """A host that is killed: from some cycle on it does nothing more; a write may end in the middle."""
 
+import random
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
 from fraese.motor.bridge.driver import BridgeDriver
 from fraese.motor.bridge.ledger import Book, FileLedger, book_in
-from tests.bridge.firmwaremill import ChipLine, FirmwareBench
+from tests.bridge.firmwaremill import CYCLES_PER_S, ChipLine, FirmwareBench
+from tests.motor.workbench import line
 
 TOKEN = b"the host's token"
 BOOT = bytes(range(16))
@@ -69,3 +71,24 @@ def left(ledger: Path) -> Book:
     book = book_in(ledger.read_bytes())
     assert book is not None
     return book
+
+
+def errands(chance: random.Random, driver: BridgeDriver) -> None:
+    """Lines here and there, for ever; now and then braked, stopped, or at rest."""
+    while True:
+        for _ in range(chance.randint(1, 30)):
+            driver.push(line(*(chance.randint(-60, 60) for _ in range(3))))
+        driver.poll(chance.uniform(0, 0.15))
+        if chance.randrange(4):
+            continue
+        act = chance.choice((driver.brake, driver.stop, lambda: None))
+        act()
+        while driver.poll(0.01).running:
+            pass
+        driver.flush()
+
+
+def killed_on_errands(bench: FirmwareBench, ledger: Path, chance: random.Random) -> None:
+    at_cycle = bench.chip.avr.cycle + round(chance.uniform(0.05, 0.8) * CYCLES_PER_S)
+    last_bytes = chance.choice((0, 0, 1, 7, 30))
+    until_killed(bench, ledger, lambda driver: errands(chance, driver), at_cycle, last_bytes)

@@ -12,68 +12,14 @@ from pathlib import Path
 
 import pytest
 
-from fraese.config import Config
-from fraese.config.file import load
+from fraese.assembly.survivors import KNOWN
 from tests.bridge.device import reason_to_skip
-from tests.bridge.ptymill import PtyMill
+from tests.bridge.stack import PATIENCE_S, SETTINGS, Stack, until_moving
 
 pytestmark = [
     pytest.mark.skipif(bool(reason_to_skip()), reason=reason_to_skip()),
     pytest.mark.skipif(sys.platform != "linux", reason="a pty takes the serial port's place"),
 ]
-
-#: A small mill: 4 mm of travel are 800 steps.
-SETTINGS = """
-[port]
-kind = "bridge"
-device = "{device}"
-[axes.x]
-travel_mm = 8
-[axes.y]
-travel_mm = 8
-[axes.z]
-travel_mm = 8
-"""
-PATIENCE_S = 60
-
-
-class Stack:
-    """A shell in which commands are given, and a mill beside it."""
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-        self._config = folder / "fraese.toml"
-        self._config.write_text(SETTINGS.format(device=folder / "ttySIM"))
-        self.mill = PtyMill(folder, self.config)
-        self.device = self.mill.port
-
-    @property
-    def config(self) -> Config:
-        return load(self._config)
-
-    def start(self, *words: str) -> "subprocess.Popen[str]":
-        place = ["--config", str(self._config), "--state", str(self._folder / "state")]
-        return subprocess.Popen(
-            [sys.executable, "-m", "fraese", *words, *place],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-
-    def run(self, *words: str) -> "subprocess.CompletedProcess[str]":
-        with self.start(*words) as process:
-            try:
-                out, err = process.communicate(timeout=PATIENCE_S)
-            finally:
-                process.kill()
-        return subprocess.CompletedProcess(words, process.returncode, out, err)
-
-    def bridge(self, *words: str) -> "subprocess.CompletedProcess[str]":
-        return self.fraese("bridge", *words, "--config", str(self._config))
-
-    def fraese(self, *words: str) -> "subprocess.CompletedProcess[str]":
-        command = [sys.executable, "-m", "fraese", *words]
-        return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S)
 
 
 @pytest.fixture
@@ -81,14 +27,6 @@ def stack(tmp_path: Path) -> Iterator[Stack]:
     stack = Stack(tmp_path)
     with stack.mill:
         yield stack
-
-
-def until_moving(stack: Stack, beyond_steps: float) -> None:
-    before = stack.mill.carriages_steps()[0]
-    deadline_s = time.monotonic() + PATIENCE_S
-    while abs(stack.mill.carriages_steps()[0] - before) < beyond_steps:
-        assert time.monotonic() < deadline_s, "nothing moves"
-        time.sleep(0.005)
 
 
 def test_homing_and_a_program_end_where_they_should(stack: Stack) -> None:
@@ -127,7 +65,8 @@ def test_an_interrupt_brakes_and_keeps_the_position(stack: Stack) -> None:
     assert stack.mill.currents() == {(0, 0)}
 
 
-def test_a_killed_program_leaves_motors_that_brake_and_switch_off(stack: Stack) -> None:
+def test_a_killed_program_leaves_motors_that_brake_and_a_bridge_that_knows(stack: Stack) -> None:
+    before = stack.mill.carriages_steps()
     process = stack.start("move", "X6", "--relative", "--feed", "120")
     until_moving(stack, 50)
     process.kill()
@@ -136,6 +75,17 @@ def test_a_killed_program_leaves_motors_that_brake_and_switch_off(stack: Stack) 
     while stack.mill.currents() != {(0, 0)}:
         assert time.monotonic() < deadline_s, "the current stays on"
         time.sleep(0.02)
+    where = stack.run("where")
+    assert "the program ended while the machine moved, between X" in where.stderr
+    again = stack.run("move", "Y1", "--relative", "--json")
+    assert again.returncode == 0, again.stderr
+    assert KNOWN in again.stderr
+    result = json.loads(again.stdout)
+    assert tuple(result["position_steps"].values()) == tuple(
+        at - began for began, at in zip(before, stack.mill.carriages_steps(), strict=True)
+    )
+    assert stack.mill.lost_steps() == (0, 0, 0)
+    assert KNOWN not in stack.run("move", "Y0", "--relative").stderr
 
 
 def test_unplugged_in_the_middle_it_says_so_and_where(stack: Stack) -> None:
@@ -243,11 +193,8 @@ gear = "10"
 """
 
 
-def test_four_axes_whose_motors_are_swapped(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("tests.bridge.test_stack.SETTINGS", FOUR_AXES)
-    stack = Stack(tmp_path)
+def test_four_axes_whose_motors_are_swapped(tmp_path: Path) -> None:
+    stack = Stack(tmp_path, FOUR_AXES)
     with stack.mill:
         zero = stack.mill.carriages_steps()
         moved = stack.run("move", "X1", "Y2", "Z-1.5", "A-90", "--json")

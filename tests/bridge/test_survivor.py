@@ -12,32 +12,11 @@ from fraese.motor.bridge.survivor import ask
 from fraese.motor.realtime.lastwords import LastWords
 from fraese.motor.seams import Ended
 from tests.bridge.device import reason_to_skip
-from tests.bridge.dying import BOOT, TOKEN, left, until_killed
+from tests.bridge.dying import BOOT, TOKEN, killed_on_errands, left, until_killed
 from tests.bridge.firmwaremill import CYCLES_PER_S, FirmwareBench
 from tests.motor.workbench import line
 
 needs_firmware = pytest.mark.skipif(bool(reason_to_skip()), reason=reason_to_skip())
-
-
-def errands(chance: random.Random, driver: BridgeDriver) -> None:
-    """Lines here and there, for ever; now and then braked, stopped, or at rest."""
-    while True:
-        for _ in range(chance.randint(1, 30)):
-            driver.push(line(*(chance.randint(-60, 60) for _ in range(3))))
-        driver.poll(chance.uniform(0, 0.15))
-        if chance.randrange(4):
-            continue
-        act = chance.choice((driver.brake, driver.stop, lambda: None))
-        act()
-        while driver.poll(0.01).running:
-            pass
-        driver.flush()
-
-
-def killed_on_errands(bench: FirmwareBench, ledger: Path, chance: random.Random) -> None:
-    at_cycle = bench.chip.avr.cycle + round(chance.uniform(0.05, 0.8) * CYCLES_PER_S)
-    last_bytes = chance.choice((0, 0, 1, 7, 30))
-    until_killed(bench, ledger, lambda driver: errands(chance, driver), at_cycle, last_bytes)
 
 
 def killed_in_a_line(bench: FirmwareBench, ledger: Path) -> None:

@@ -12,7 +12,8 @@ Rule 2: nothing is synced and nobody waits: the file outlives the program, not t
         says in which run of the computer it was written, and in another one nothing of it holds.
 Rule 3: every part has a checksum that begins with the session: half of one, or one of an earlier
         session, is none.
-Rule 4: what cannot be written is not worth an alarm: then nothing is known after a crash.
+Rule 4: an older ledger is left alone until a session begins: then the device has forgotten, too.
+Rule 5: what cannot be written is not worth an alarm: then nothing is known after a crash.
 """
 
 import struct
@@ -79,12 +80,13 @@ class FileLedger(Ledger):
     def __init__(self, file: BinaryIO, token: bytes, boot: bytes) -> None:
         self._file = file
         self._token, self._boot = token, boot
-        self._seed = 0
-        # What is written later needs no more room.
-        self._put(0, bytes(SIZE))
+        self._seed: int | None = None
 
     def begin(self, session: int, table: int, counts: StepCounts, phases: StepCounts) -> None:
         """A session begins; what was written in another one holds no more."""
+        if self._seed is None:
+            # What is written later needs no more room.
+            self._put(0, bytes(SIZE))
         self._seed = _seed(self._token, session)
         head = _HEAD.pack(
             _MAGIC, self._token, self._boot, session, len(counts), table,
@@ -97,14 +99,14 @@ class FileLedger(Ledger):
     def note(self, serial: int, steps: StepCounts, ticks: int, start: StepCounts) -> None:
         """A block will be sent."""
         slot = _SLOT.pack(serial, ticks, *_filled(steps), *_filled(start))
-        self._put(_at(serial), slot + _SUM.pack(zlib.crc32(slot, self._seed)))
+        self._put(_at(serial), slot + _SUM.pack(zlib.crc32(slot, self._seed or 0)))
 
     def close(self) -> None:
         """Nothing more will be written. Safe to call twice."""
         self._file.close()
 
     def _put(self, offset: int, data: bytes) -> None:
-        """See rule 4: from the first failure on the file stays as it is."""
+        """See rule 5: from the first failure on the file stays as it is."""
         if self._file.closed:
             return
         try:

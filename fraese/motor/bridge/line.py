@@ -198,6 +198,15 @@ def serial_ports() -> list[SerialPort]:
     return sorted(found, key=lambda port: (not port.maker, port.device))
 
 
+def chosen_port(name: str) -> str:
+    """The port of that name; of none, the one that can be meant.
+
+    Raises:
+        PortError: if there is none, or several.
+    """
+    return name or only_candidate(serial_ports())
+
+
 def only_candidate(ports: list[SerialPort]) -> str:
     """The one port that can be meant.
 
