@@ -45,8 +45,8 @@ async def _until_heard(min_sleep: float = 0.02, max_sleep: float = _HEARD_S) -> 
     await wait_for_idle(min_sleep, min(max_sleep, _HEARD_S))
 
 
-setattr(textual.app, "wait_for_idle", _until_heard)
-setattr(textual.pilot, "wait_for_idle", _until_heard)
+textual.app.wait_for_idle = _until_heard  # type: ignore[attr-defined]
+textual.pilot.wait_for_idle = _until_heard  # type: ignore[attr-defined]
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ class Second(View):
     def show(self, state: MachineState, stopping: bool) -> None:
         self.query_one("#x", Fact).show(f"{state.position_mm[0]:.3f}")
 
-    def say(self, text: str, tone: str = "") -> None:
+    def show_said(self, text: str, tone: str) -> None:
         self.query_one("#said", Fact).show(text, tone)
 
     def action_press(self) -> None:
@@ -58,6 +58,21 @@ def test_a_second_view_is_one_row_with_its_own_keys() -> None:
             await b.press("p")
             await b.jog("right")
             assert (second.presses, b.moved_steps) == (2, (400, 0, 0))
+
+    play(scene)
+
+
+def test_what_comes_before_a_view_is_there_is_shown_when_it_is() -> None:
+    async def scene() -> None:
+        async with bench(views=BOTH) as b:
+            # Nothing of it is there before the next turn of the loop.
+            b.app.switch_mode("second")
+            b.app.view.draw(b.drawn, False)
+            b.app.view.refuse("Too early.")
+            second = b.app.view
+            await b.wait(lambda: second.is_mounted)
+            assert second.query_one("#said", Fact).text == "Too early."
+            assert second.query_one("#x", Fact).text == "0.000"
 
     play(scene)
 

@@ -53,7 +53,6 @@ class MachineView(View):
         self._last_go_to: GoTo | None = None
         # What became of the loaded program's file, as far as it was told.
         self._told = ""
-        self._stopping = False
         self._status = StatusPanel(desk.machine_name)
         self._position = PositionPanel(shape)
         width_keys = [row for row in keys.commands if row.action.startswith("set_width")]
@@ -103,7 +102,6 @@ class MachineView(View):
 
     def show(self, state: MachineState, stopping: bool) -> None:
         """Draw what changed."""
-        self._stopping = stopping
         self._status.show(state, stopping)
         self.set_class(self._status.tells_of_lost_steps, "-lost")
         self._position.show(state)
@@ -112,7 +110,7 @@ class MachineView(View):
             in_program = state.job is not None and state.job.lines > 0
             self._path.mark(state.job.line if state.job and in_program else 0)
 
-    def say(self, text: str, tone: str = "") -> None:
+    def show_said(self, text: str, tone: str) -> None:
         """Put this into the message line."""
         self._message.show(text, tone)
 

@@ -62,6 +62,8 @@ class View(Screen[None]):
         super().__init__()
         self.desk = desk
         self.state = desk.link.state()
+        self._stopping = False
+        self._said = ("", "")
         bind(self, desk.keys.of(Area.VIEWS, self.AREA))
 
     @property
@@ -78,16 +80,28 @@ class View(Screen[None]):
             state: how it stands.
             stopping: the operator has pressed stop and it still moves.
         """
-        self.state = state
-        self.show(state, stopping)
+        self.state, self._stopping = state, stopping
+        if self.is_mounted:
+            self.show(state, stopping)
+
+    def on_mount(self) -> None:
+        """What came before there was anything to show it in."""
+        self.show(self.state, self._stopping)
+        self.show_said(*self._said)
+
+    def say(self, text: str, tone: str = "") -> None:
+        """Put this where the last message stands."""
+        self._said = text, tone
+        if self.is_mounted:
+            self.show_said(text, tone)
 
     @abstractmethod
     def show(self, state: MachineState, stopping: bool) -> None:
         """Draw what changed."""
 
     @abstractmethod
-    def say(self, text: str, tone: str = "") -> None:
-        """Put this where the last message stands."""
+    def show_said(self, text: str, tone: str) -> None:
+        """Draw the last message."""
 
     def refuse(self, sentence: str) -> None:
         """Say why something was not done."""
