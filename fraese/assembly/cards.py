@@ -12,7 +12,14 @@ from fraese.errors import ConfigError
 from fraese.motor.cards.control import OutputPin
 from fraese.motor.cards.smc1500 import SmcCard
 from fraese.motor.cards.stepdir import STEPDIR_PROFILES, StepDirCard
-from fraese.motor.phases import LEVEL_MAPS, PHASE_TABLES, describe_table, fault_of_table
+from fraese.motor.phases import (
+    FULL_STEPS_A_TURN,
+    FULL_STEPS_PER_REV,
+    LEVEL_MAPS,
+    PHASE_TABLES,
+    describe_table,
+    fault_of_table,
+)
 from fraese.motor.seams import Card
 
 
@@ -86,6 +93,28 @@ def _stepdir_card(config: Config) -> Card:
     )
 
 
+def _by_table(config: Config) -> tuple[int, ...]:
+    return (len(checked_table(config.card)),) * len(config.axes.table)
+
+
+def _by_drive(config: Config) -> tuple[int, ...]:
+    """A drive that was switched off too may begin anew anywhere in its electrical turn.
+
+    What motor it turns is not known: taken is the one with the shorter turns.
+    """
+    a_rev = max(FULL_STEPS_PER_REV) // FULL_STEPS_A_TURN
+    return tuple(axis.steps_per_rev // a_rev for axis in config.axes.table.values())
+
+
+def turn_steps(config: Config) -> tuple[int, ...]:
+    """Per axis, steps of the card in one electrical turn of its motor, or fewer."""
+    return _TURNS[config.card.kind](config)
+
+
+_TURNS: Final[Mapping[str, Callable[[Config], tuple[int, ...]]]] = {
+    "smc1500": _by_table,
+    "stepdir": _by_drive,
+}
 CARDS: Final[Mapping[str, Callable[[Config], Card]]] = {
     "smc1500": _smc_card,
     "stepdir": _stepdir_card,

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 import platformdirs
 
-from fraese.assembly.cards import CARDS
+from fraese.assembly.cards import CARDS, turn_steps
 from fraese.assembly.drivers import DRIVERS, ClockName, Made, Order
 from fraese.assembly.keeping import Keeping, closed_on_failure
 from fraese.assembly.meaning import meaning
@@ -21,6 +21,7 @@ from fraese.assembly.onlooker import MillOnlooker
 from fraese.assembly.survivors import Opening
 from fraese.assembly.tracing import Trace, Wanted, wanted
 from fraese.config import Config
+from fraese.control.asleft import left_by_crash
 from fraese.control.controller import Controller
 from fraese.control.recorder import JournalRecorder, Recorder
 from fraese.control.savedstate import SavedState
@@ -207,9 +208,10 @@ def _put_together(
         recorder=recorder,
     )
     if state is not None:
+        controller.position.turn_steps = turn_steps(config)
         controller.take_up(state)
-        doubt = controller.position.doubt_in_words()
-        notes += [doubt] if doubt and not kept.is_driven else []
+        left = left_by_crash(controller)
+        notes += [left.sentence] if left and not kept.is_driven else []
     recorder.begin(_facts(controller, config, mill, session))
     every = (*notes, *made.notes, *misfits(config))
     rest = made.awake, onlooker, made.trace, recorder

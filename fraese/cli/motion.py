@@ -19,9 +19,9 @@ from fraese.cli.shared import (
 )
 from fraese.control.controller import Controller
 from fraese.errors import Cancelled, UsageError
-from fraese.program import gone_on_with, open_program
+from fraese.program import Resumption, open_program
 from fraese.program.context import ProgramContext
-from fraese.program.interrupted import Interrupted, cut_short
+from fraese.program.interrupted import cut_short
 from fraese.program.kept import KeptPrograms
 
 FeedOption = Annotated[
@@ -75,12 +75,9 @@ def resume(
     """Go on with the program that was cut short, at the move at which it was left."""
 
     def action(controller: Controller) -> None:
-        left = Interrupted.of(controller.keep().job)
-        program = gone_on_with(left, KeptPrograms(on.folder))
-        said = [*left.news(ProgramContext.of(controller)), program.taken.on_disk()]
-        way = program.way_from(controller, past=left, back=back)
-        _announce([*way, *(text for text in said if text)], yes)
-        program.start(controller, past=left, back=back)
+        resumption = Resumption.of(controller, KeptPrograms(on.folder))
+        _announce(resumption.words(back), yes)
+        resumption.start(controller, back)
 
     on.do(action)
 

@@ -12,7 +12,7 @@ Rule 4: an axis is referenced from ``set_reference`` until something shakes it: 
 """
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fraese.control.workoffsets import WorkOffsets
 from fraese.machine import Machine, Steps
@@ -28,10 +28,12 @@ class Doubt:
     Attributes:
         why: half a sentence.
         spans_steps: per axis, by how much it may be below and above; empty: nobody knows.
+        referenced: per axis, whether it was referenced before; empty: nobody knows.
     """
 
     why: str
     spans_steps: tuple[tuple[int, int], ...] = ()
+    referenced: tuple[bool, ...] = ()
 
 
 class Position:
@@ -46,6 +48,8 @@ class Position:
         referenced: per axis, whether its position can be relied on.
         offsets: the work offsets.
         doubt: why and by how much it may be another one, until all axes are referenced.
+        was_abandoned: the program before was not closed, and the machine stood.
+        turn_steps: per axis, steps in one electrical turn of its motor; 0: not known.
     """
 
     def __init__(self, machine: Machine) -> None:
@@ -55,6 +59,8 @@ class Position:
         self.referenced = (False,) * axes
         self.offsets = WorkOffsets("".join(axis.name for axis in machine.axes))
         self.doubt: Doubt | None = None
+        self.was_abandoned = False
+        self.turn_steps: Steps = (0,) * axes
         self._carriages = Carriages(machine, self.position_steps)
         # Motor steps that the carriages have been told of.
         self._told_steps = self.position_steps
@@ -140,7 +146,7 @@ class Position:
         self._stand_at(tuple(position))
         self.referenced = tuple(n == motor or old for n, old in enumerate(self.referenced))
         if all(self.referenced):
-            self.doubt = None
+            self.doubt, self.was_abandoned = None, False
 
     def doubt_in_words(self) -> str:
         """What is not known of the position, a sentence; empty if nothing."""
@@ -155,13 +161,44 @@ class Position:
             if not self.referenced[n]
         ]
         where = f", between {', '.join(between)} (machine)" if between else ""
-        return f"The position is not trusted: {self.doubt.why}{where}; reference it again."
+        also = ", or take it as it was left (fraese trust)" if self.finds_back else ""
+        return f"The position is not trusted: {self.doubt.why}{where}; reference it again{also}."
+
+    @property
+    def finds_back(self) -> bool:
+        """The motors, wherever they are in these bounds, are pulled back to where they are counted.
+
+        That is so from less than half an electrical turn: the phases are kept with the position.
+        """
+        doubt = self.doubt
+        if doubt is None or not doubt.spans_steps or not doubt.referenced:
+            return False
+        return all(
+            known or max(span) == 0 or 2 * max(span) < turn
+            for known, span, turn in zip(
+                self.referenced, doubt.spans_steps, self.turn_steps, strict=True
+            )
+        )
+
+    def take_as_left(self) -> None:
+        """What is doubted is as it was left, and as good as its reference was."""
+        if self.doubt is not None:
+            before = zip(self.referenced, self.doubt.referenced, strict=True)
+            self.referenced = tuple(now or then for now, then in before)
+        self.doubt, self.was_abandoned = None, False
 
     def lose_reference(self, motors: Iterable[int]) -> None:
         """These axes are not to be relied on."""
         lost = frozenset(motors)
         if lost:
-            self.referenced = tuple(old and n not in lost for n, old in enumerate(self.referenced))
+            self.referenced = self._without(lost, self.referenced)
+            if self.doubt is not None:
+                before = self._without(lost, self.doubt.referenced)
+                self.doubt = replace(self.doubt, referenced=before)
+
+    @staticmethod
+    def _without(lost: Collection[int], referenced: Sequence[bool]) -> tuple[bool, ...]:
+        return tuple(old and n not in lost for n, old in enumerate(referenced))
 
     # --- work offsets --------------------------------------------------------------------------
 

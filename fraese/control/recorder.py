@@ -262,6 +262,8 @@ class JournalRecorder(Recorder):
         # Until it is durable a cut may leave the old one or the new one: both must hold.
         self._box = _common(self._box, box)
         self._asked, self._asked_ns = box, now_ns
+        # Only the last word of all is that of a program that has closed the machine.
+        state = state.model_copy(update={"in_hand": True})
         if self._is_threaded:
             self._writer.ask(state, box, now_ns)
             return

@@ -7,6 +7,7 @@ Rule 2: a doubt stays in every later record until all axes have been referenced.
 """
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Annotated, Any, Final
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
@@ -49,6 +50,7 @@ class KeptDoubt(_Fact):
 
     why: str = Field(max_length=200)
     spans_steps: tuple[tuple[_Count, _Count], ...] = ()
+    referenced: tuple[bool, ...] = ()
 
 
 class SavedState(_Fact):
@@ -65,6 +67,7 @@ class SavedState(_Fact):
         axes: what gives the steps of each axis their meaning; configured otherwise, they have none.
         motion: the machine may move; None: it stands.
         doubt: why the position may be another one; None: it is as good as its reference.
+        in_hand: the program that wrote it had not closed the machine yet.
         job: what must be known to go on with a program that was cut short; None: there is none.
         session: which opening of the machine wrote it.
         moving: files of earlier versions said so that the machine may move.
@@ -80,6 +83,7 @@ class SavedState(_Fact):
     axes: tuple[str, ...] = ()
     motion: Motion | None = None
     doubt: KeptDoubt | None = None
+    in_hand: bool = False
     job: dict[str, Any] | None = None
     session: str = ""
     moving: bool = False
@@ -95,14 +99,15 @@ class SavedState(_Fact):
             referenced=where.referenced,
             phases=phases,
             ends=tuple(ends),
-            doubt=doubt and KeptDoubt(why=doubt.why, spans_steps=doubt.spans_steps),
+            doubt=doubt and KeptDoubt(**asdict(doubt)),
         )
 
     def give_back(self, where: Position) -> None:
         """Let the axes stand where they were left."""
         where.take_up(self.position_steps, self.slack_steps, self.referenced, self.parameters)
         if self.doubt is not None:
-            where.doubt = Doubt(self.doubt.why, self.doubt.spans_steps)
+            where.doubt = Doubt(**dict(self.doubt))
+        where.was_abandoned = self.in_hand and self.doubt is None and any(self.referenced)
 
     def believed(self, *, is_trusted: bool = True) -> "SavedState":
         """What of it may be believed at a start, see rule 1.
@@ -123,7 +128,11 @@ class SavedState(_Fact):
                 )
             ]
             known = doubt is None or bool(doubt.spans_steps)
-            doubt = KeptDoubt(why=IN_MOTION, spans_steps=tuple(spans) if known else ())
+            doubt = KeptDoubt(
+                why=IN_MOTION,
+                spans_steps=tuple(spans) if known else (),
+                referenced=self._was_referenced(),
+            )
         elif self.moving:
             doubt = KeptDoubt(why=IN_MOTION)
         else:
@@ -131,6 +140,11 @@ class SavedState(_Fact):
         # Nor is believed what was known of a contact before it moved.
         nothing = {"referenced": (False,) * len(self.referenced), "ends": ()}
         return self.model_copy(update={**nothing, "doubt": doubt, "motion": None, "moving": False})
+
+    def _was_referenced(self) -> tuple[bool, ...]:
+        """Before that doubt, or an older one, came up."""
+        before = (self.doubt and self.doubt.referenced) or self.referenced
+        return tuple(a or b for a, b in zip(self.referenced, before, strict=True))
 
     @field_validator("parameters")
     @classmethod
@@ -166,6 +180,7 @@ def state_in(text: bytes, axes: int, name: str) -> SavedState:
         kept.simulation or (None,) * axes,
         *((motion.low_steps, motion.high_steps) if motion else ()),
         (doubt.spans_steps if doubt else ()) or (None,) * axes,
+        (doubt.referenced if doubt else ()) or (None,) * axes,
     ]
     if any(len(values) != axes for values in per_axis):
         raise ConfigError(

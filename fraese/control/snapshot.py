@@ -74,4 +74,5 @@ def snapshot(
         carriages_mm=seen.carriages_mm,
         lost_steps=seen.lost_steps,
         lost_why=seen.lost_why,
+        cut_short=loop.unfinished.place,
     )

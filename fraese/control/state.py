@@ -40,6 +40,14 @@ class JobProgress:
 
 
 @dataclass(frozen=True, slots=True)
+class CutShort:
+    """A program that can be gone on with: its name, and the line where it was cut short."""
+
+    name: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
 class WorkFacts:
     """What makes work coordinates of machine coordinates, where the motors are.
 
@@ -131,6 +139,7 @@ class MachineState:
             compared with ``position_mm``; for the zero see ``control/onlooker.py``.
         lost_steps: likewise, steps of this job that were asked for and not made, signed.
         lost_why: likewise, why, half a sentence; empty: none.
+        cut_short: the last program, if it was; None: it ended well, or another one runs.
     """
 
     status: Status
@@ -165,3 +174,4 @@ class MachineState:
     lost_steps: tuple[float, ...] = ()
     lost_why: tuple[str, ...] = ()
     alarm: AlarmKind | None = None
+    cut_short: CutShort | None = None

@@ -39,6 +39,8 @@ def survived(record: SavedState, words: LastWords, machine: Machine) -> SavedSta
         for axis, slack, turned in zip(machine.axes, record.slack_steps, turned_steps, strict=True)
     ]
     slack_steps = tuple(slack for _, slack in followed_steps)
+    # A motor may have lost its reference on the way: what it was before counts no more.
+    old_doubt = record.doubt and record.doubt.model_copy(update={"referenced": ()})
     update = {
         "position_steps": tuple(
             at + moved for at, (moved, _) in zip(record.position_steps, followed_steps, strict=True)
@@ -49,7 +51,8 @@ def survived(record: SavedState, words: LastWords, machine: Machine) -> SavedSta
             old and not axis.backlash_steps and motor not in words.torn
             for motor, (old, axis) in enumerate(zip(record.referenced, machine.axes, strict=True))
         ),
-        "doubt": _doubt(record.doubt, slack_steps, machine.axes),
+        "doubt": _doubt(old_doubt, slack_steps, machine.axes),
+        "in_hand": False,
         # What was known of a contact was before it moved.
         "ends": (),
         "motion": None,

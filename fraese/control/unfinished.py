@@ -7,9 +7,11 @@ Rule 1: what moves between two programs (a jog, a reference run) changes nothing
 from collections.abc import Mapping
 from typing import Any
 
+from fraese.anythread import any_thread
 from fraese.control.jobs import Note
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.position import Position
+from fraese.control.state import CutShort
 
 
 class Unfinished:
@@ -39,6 +41,16 @@ class Unfinished:
         if self._note is not None:
             self.left = None if done else self.known()
             self._note = None
+
+    @property
+    @any_thread
+    def place(self) -> CutShort | None:
+        """Which program it is, and where; None: there is none, or one runs."""
+        left = self.left
+        if left is None or self._note is not None:
+            return None
+        line = left.get("line")
+        return CutShort(str(left.get("name", "")), line if isinstance(line, int) else 0)
 
     def known(self) -> Mapping[str, Any] | None:
         """What must be known to go on; None: there is nothing."""

@@ -67,6 +67,7 @@ class Interpreter:
         self._last_to: Point | None = None
         self._reader = BlockReader(parameters, axes)
         self._flow = Flow(Source((), setup.file), parameters, setup)
+        self._text = ""
         self._handlers: dict[str, Handler] = dict.fromkeys(ORDER, self._set)
         self._handlers.update(self._outputs.handlers())
         self._handlers.update(f=self._feed, state=self._state, nonmodal=self._nonmodal)
@@ -96,6 +97,11 @@ class Interpreter:
         return self._modal
 
     @property
+    def text(self) -> str:
+        """That line itself."""
+        return self._text
+
+    @property
     def frame(self) -> WorkFrame:
         """The work frame in force there; replaced whole when it changes."""
         return self._motion.coordinates.frame
@@ -119,6 +125,7 @@ class Interpreter:
             if text is None:
                 break
             motion.line = flow.source.line
+            self._text = text
             if blank and text.strip():
                 blank = False
                 text = text.removeprefix("\ufeff")

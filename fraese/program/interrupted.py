@@ -100,17 +100,30 @@ class Interrupted(BaseModel):
                 f"{self.name} has probed more than {_MOST_ANSWERS} times: run it from a line"
                 " (fraese run --from-line)."
             )
-        lost = [
-            name.upper()
-            for name, then, is_now in zip(names, self.referenced, now.referenced, strict=True)
-            if then and not is_now
-        ]
+        lost = self._axes(now, then=True)
         if lost:
-            axes = f"{'axes' if len(lost) > 1 else 'axis'} {' '.join(lost)}"
             raise StateError(
-                f"{self.name} was run with {axes} referenced, and now nobody knows the place:"
+                f"{self.name} was run with {lost} referenced, and now nobody knows the place:"
                 " reference first (fraese home); nothing has moved."
             )
+        moved = self._axes(now, then=False)
+        if moved:
+            raise StateError(
+                f"{self.name} was run with {moved} not referenced, and the reference since has"
+                " given the place other numbers: run it from a line (fraese run --from-line);"
+                " nothing has moved."
+            )
+
+    def _axes(self, now: ProgramContext, *, then: bool) -> str:
+        """Axes that were referenced, or not, and are otherwise now, in words; empty: none."""
+        names = [
+            name.upper()
+            for name, was, is_now in zip(
+                now.machine.names, self.referenced, now.referenced, strict=True
+            )
+            if was is then and is_now is not then
+        ]
+        return f"{'axes' if len(names) > 1 else 'axis'} {' '.join(names)}" if names else ""
 
     def context(self, now: ProgramContext) -> ProgramContext:
         """The machine as the program found it, with what a person has changed since."""

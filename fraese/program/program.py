@@ -10,9 +10,7 @@ from typing import Final
 from fraese.control.controller import Controller
 from fraese.control.jobs import STANDSTILL, Job
 from fraese.control.retract import Retract
-from fraese.control.state import WorkFacts
 from fraese.errors import LimitError, ProgramError, StateError
-from fraese.gcode import canon
 from fraese.log import logged
 from fraese.machine import Millimetres
 from fraese.program.check import Facts, Survey, check_program
@@ -21,10 +19,11 @@ from fraese.program.interrupted import Interrupted, JobNote
 from fraese.program.kept import KeptPrograms
 from fraese.program.looker import Looker
 from fraese.program.offsethistory import OffsetHistory
-from fraese.program.runfromline import Beginning, Place, in_words
+from fraese.program.runfromline import Beginning, Place
 from fraese.program.source import ProgramSource
 from fraese.program.taken import Taken, take_program
-from fraese.program.translate import Numbers, Translation
+from fraese.program.translate import Translation
+from fraese.program.way import way_of
 
 #: Corners of a frame, low or high, for so many axes.
 _ROUND: Final[dict[int, tuple[tuple[int, ...], ...]]] = {
@@ -157,14 +156,16 @@ class Program:
         context = ProgramContext.of(controller)
         _require_reference(context)
         controller.check_moves([])
-        begun = self._begun(context, from_line, past, back)
+        begun = self.begun(context, from_line, past=past, back=back)
         source, translation = begun.source, Translation(context, controller)
         moves = begun.moves(translation.numbers)
         if past is not None:
             translation.answers |= past.facts()
         history = OffsetHistory(controller, source, translation)
 
-        news = self.news()
+        told = self.news()
+        # Who goes on with it has read that before.
+        news = told if past is None else ""
 
         def job() -> Job:
             controller.position.offsets.follow(history.in_force)
@@ -175,7 +176,7 @@ class Program:
                 history.close()
             finally:
                 controller.position.offsets.replace(history.in_force()[0])
-            self._own_up(controller, news)
+            self._own_up(controller, told)
 
         unkept = self._keep()
         controller.start(
@@ -224,10 +225,19 @@ class Program:
             raise ProgramError("there is no frame: no axis X or Y moves.", file=str(self.path))
         controller.drive_points(f"frame {self.name}", points)
 
-    def _begun(
-        self, now: ProgramContext, from_line: int, past: Interrupted | None, back: int
+    def begun(
+        self,
+        now: ProgramContext,
+        from_line: int = 0,
+        *,
+        past: Interrupted | None = None,
+        back: int = 0,
     ) -> Beginning:
-        """A reading of it that begins where it is to begin."""
+        """A reading of it that begins where it is to begin. As for ``start``.
+
+        Raises:
+            StateError: if it is not the machine on which it was interrupted.
+        """
         if past is None:
             place = Place(from_line) if from_line > 1 else None
             return Beginning(ProgramSource(self.taken, now), now, now, place)
@@ -235,55 +245,14 @@ class Program:
         found, place = past.context(now), Place(past.line, max(1, past.move - back))
         return Beginning(ProgramSource(self.taken, found), found, now, place, past.facts())
 
-    def way_from(
-        self,
-        controller: Controller,
-        from_line: int = 0,
-        *,
-        past: Interrupted | None = None,
-        back: int = 0,
-    ) -> list[str]:
-        """What a start in the middle would do, in words; nothing moves. As for ``start``.
+    def way_from(self, controller: Controller, from_line: int) -> list[str]:
+        """What a start in the middle would do, in words; nothing moves.
 
         Raises:
             ProgramError: if there is nothing to run there, or a line before it is refused.
-            StateError: if it is not the machine on which it was interrupted.
         """
-        context = ProgramContext.of(controller)
-        begun = self._begun(context, from_line, past, back)
-        source, numbers = begun.source, Numbers()
-        said: list[str] = []
-        here, line, goes_down = context.start_mm, 1, False
-        for move in begun.moves(numbers):
-            line = move.line
-            is_over = not numbers.is_on_a_way
-            if is_over and goes_down:
-                break
-            if isinstance(move, canon.Offsets):
-                continue
-            goes_down = goes_down or isinstance(move, canon.Feed)
-            unit = "mm"
-            if isinstance(move, canon.Breath):
-                continue
-            if isinstance(move, canon.Rapid | canon.Feed):
-                unit = "°" if source.axes.way(here, move.to).is_angle else "mm"
-                here = move.to
-            said.append("  " + in_words(move, context.machine, unit))
-            if is_over:
-                break
-        modal, frame = source.modal, WorkFacts.of(source.frame, 0)
-        said.append(
-            f"  then the program, with feed {_feed_in_words(source)}, tool {modal.tool},"
-            f" plane G{modal.plane}, work offset {frame.system}{frame.more()}"
-        )
-        return [f"{self.name} from line {line}:", *said]
-
-
-def _feed_in_words(source: ProgramSource) -> str:
-    """The feed in force; where there are rotary axes, it is one of degrees for them."""
-    modal = source.modal
-    said = f"{modal.feed_mm_min:g} mm/min"
-    return said if source.axes.only_linear else f"{said} or {modal.feed_word:g} °/min"
+        begun = self.begun(ProgramContext.of(controller), from_line)
+        return way_of(begun).lines(self.name)
 
 
 def _frame_of(
@@ -329,16 +298,3 @@ def open_program(
         ProgramError: if there is nothing to read.
     """
     return Program(take_program(path), apart=apart, kept=kept)
-
-
-def gone_on_with(left: Interrupted, kept: KeptPrograms) -> Program:
-    """The program that was cut short, as it was when it was started.
-
-    Args:
-        left: which it is.
-        kept: where a copy of it is.
-
-    Raises:
-        ProgramError: there is none any more.
-    """
-    return Program(kept.find(left.content_hash), kept=kept)

@@ -12,7 +12,6 @@ from typing import Final
 
 from fraese.errors import ProgramError
 from fraese.gcode import canon
-from fraese.machine import Machine
 from fraese.program.context import ProgramContext
 from fraese.program.source import ProgramSource
 from fraese.program.translate import Moves, Numbers
@@ -154,18 +153,3 @@ def _repeated(kept: dict[type, canon.Move], *kinds: type[canon.Move]) -> _Way:
     for kind in kinds:
         if kind in kept:
             yield kept[kind]
-
-
-def in_words(move: canon.Move, machine: Machine, unit: str) -> str:
-    """A move on that way, for people; its feed counts along mm or degrees."""
-    if isinstance(move, canon.Rapid | canon.Feed):
-        where = machine.in_words(move.to)
-        how = f"feed {move.feed_mm_min:g} {unit}/min" if isinstance(move, canon.Feed) else "rapid"
-        return f"{how} to {where} (machine)"
-    if isinstance(move, canon.Spindle):
-        return f"spindle {'on' if move.direction else 'off'}, {move.rev_min:g} rev/min"
-    if isinstance(move, canon.Coolant):
-        return f"coolant {'on' if move.mist or move.flood else 'off'}"
-    if isinstance(move, canon.Tool):
-        return f"tool {move.number}"
-    return type(move).__name__.lower()

@@ -33,6 +33,7 @@ class ProgramSource:
         self._setup = context.setup(taken)
         self._interpreter = Interpreter(self._setup)
         self.lines_read = 0
+        self._last_read = ""
         self.axes = Axes(self._setup.axes, self._setup.rotary)
         self.start_mm = self._setup.position_mm
         self.default_feed_mm_min = context.config.run.default_feed_mm_min
@@ -63,6 +64,11 @@ class ProgramSource:
         return self._interpreter.frame
 
     @property
+    def text(self) -> str:
+        """That line, of whichever file it is."""
+        return (self._interpreter.text or self._last_read).strip()
+
+    @property
     def modal(self) -> Modal:
         """What else is in force there; changes with the next line."""
         return self._interpreter.modal
@@ -70,4 +76,5 @@ class ProgramSource:
     def _counted(self, lines: Iterator[str]) -> Iterator[str]:
         for line in lines:
             self.lines_read += 1
+            self._last_read = line
             yield line

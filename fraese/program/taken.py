@@ -48,11 +48,7 @@ class Taken:
         return None if content is None else content.lines()
 
     def news(self) -> str:
-        """What became of the file since, a sentence; empty: it is as it was."""
-        return "" if self.main.stamp is None else self.on_disk()
-
-    def on_disk(self) -> str:
-        """The same of a copy that was kept: whether the file still holds what it did."""
+        """What became of the file since, a sentence; empty: it holds what it did."""
         still = is_still(self.path, self.main)
         if still is None:
             return f"{self.path.name} is gone from where it was opened."

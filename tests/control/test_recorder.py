@@ -111,7 +111,8 @@ def test_what_changes_at_rest_is_kept_while_idle(tmp_path: Path) -> None:
     state = again.controller.state()
     assert (state.position_steps, state.work_mm) == (where, work)
     assert state.referenced == (True, True, True)
-    assert again.notes == ()
+    (note,) = again.notes
+    assert "the position is as it was left" in note
 
 
 def test_a_place_that_cannot_be_kept_brakes_the_job(

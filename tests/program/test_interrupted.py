@@ -17,6 +17,7 @@ from fraese.journal.pages import MOST_BYTES
 from fraese.program import Program
 from fraese.program.context import ProgramContext
 from fraese.program.interrupted import Interrupted, JobNote
+from fraese.program.way import way_of
 from fraese.workframe import FIRST_SYSTEM, PERSISTENT, ROTATION, SYSTEM_STRIDE, SYSTEMS
 from tests.helpers import (
     STEPDIR,
@@ -187,8 +188,12 @@ def test_some_moves_back(tmp_path: Path) -> None:
     made = _machine()
     left = _interrupted(made, part, 4)
     assert left.move > 2
-    way = part.way_from(made.controller, past=left, back=2)
-    assert way[0] == f"part.ngc from line {left.line - 2}:"
+    context = ProgramContext.of(made.controller)
+    way = way_of(part.begun(context, past=left, back=2))
+    assert way.lines("part.ngc")[0] == f"part.ngc from line {left.line - 2}:"
+    assert way.text == f"G1 X{5 * (left.line - 3)}"
+    # Where the work zero lies elsewhere, the way is told in its numbers too.
+    assert way.legs[-1].endswith("mm (machine), X 5.000 Y -5.000 Z 20.000 mm (work)")
     seen = _played(made)
     assert _go_on(made, part, left, back=2) is Status.OK
     assert seen[0] == left.move - 2
@@ -210,6 +215,19 @@ def test_without_the_reference_nobody_knows_the_place(tmp_path: Path) -> None:
     made.controller.position.lose_reference([1])
     stood = carriages(made)
     with pytest.raises(StateError, match="run with axis Y referenced, and now nobody"):
+        part.start(made.controller, past=left)
+    assert carriages(made) == stood
+
+
+def test_a_reference_since_has_given_the_place_other_numbers(tmp_path: Path) -> None:
+    """Run on a machine without reference, its zero was wherever it stood."""
+    part = program(tmp_path, "G21 G90 F600\nG1 X20\nM2\n")
+    made = assemble(configured())
+    left = _interrupted(made, part, 1)
+    made.controller.home()
+    assert made.controller.run() is Status.OK
+    stood = carriages(made)
+    with pytest.raises(StateError, match="axes X Y Z not referenced, and the reference since"):
         part.start(made.controller, past=left)
     assert carriages(made) == stood
 

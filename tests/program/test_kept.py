@@ -35,7 +35,7 @@ def test_what_ran_runs_again_when_everything_else_is_gone(tmp_path: Path) -> Non
     (tmp_path / "hop.ngc").write_text("o<hop> sub\nG1 X100 F600\no<hop> endsub\n")
     again = Program(KeptPrograms(state).find(part.content_hash))
     assert again.name == "part.ngc"
-    assert again.news() == ""
+    assert again.news() == "part.ngc is gone from where it was opened."
     made = homed()
     again.check(made.controller)
     again.start(made.controller)

@@ -1,0 +1,104 @@
+"""Going on with the program that was cut short: what is shown before, and the start.
+
+    of(controller)      machine's thread    which program, as it was when it was started; refused
+                                            where nobody knows its place any more
+    way(back)           any thread          reads it as far as the place; may take long
+    start(controller)   machine's thread    the same reading, with motion
+
+Rule 1: command line and app go on in this one way.
+Rule 2: nothing starts on a machine that stands otherwise than when the way was made.
+"""
+
+from collections.abc import Callable, Sequence
+
+from fraese.control.controller import Controller
+from fraese.errors import StateError
+from fraese.program.context import ProgramContext
+from fraese.program.interrupted import Interrupted
+from fraese.program.kept import KeptPrograms
+from fraese.program.program import Program
+from fraese.program.way import Way, way_of
+
+
+class Resumption:
+    """How a program that was cut short would be gone on with.
+
+    Args:
+        left: as it was left.
+        program: as it was when it was started.
+        context: the machine as it stands.
+
+    Attributes:
+        name: of the program.
+        line: where it was cut short.
+        moves: so many moves lie before that.
+        program: as given.
+    """
+
+    def __init__(self, left: Interrupted, program: Program, context: ProgramContext) -> None:
+        self.name = left.name
+        self.line = left.line
+        self.moves = max(left.move - 1, 0)
+        self.program = program
+        self._left = left
+        self._context = context
+
+    @classmethod
+    def of(cls, controller: Controller, kept: KeptPrograms, *, apart: bool = False) -> "Resumption":
+        """Of the last program on this machine; in the machine's thread.
+
+        Args:
+            controller: the machine.
+            kept: where the copies of programs are.
+            apart: see ``Program``.
+
+        Raises:
+            StateError: there is none, or nobody knows its place on the machine any more.
+            ProgramError: what was kept of it is damaged, or its copy is gone.
+        """
+        left = Interrupted.of(controller.keep().job)
+        taken = kept.find(left.content_hash)
+        context = ProgramContext.of(controller)
+        left.require_same_machine(context)
+        if controller.position.doubt is not None:
+            raise StateError(f"{controller.position.doubt_in_words()[:-1]}; nothing has moved.")
+        return cls(left, Program(taken, apart=apart, kept=kept), context)
+
+    @property
+    def lines(self) -> Sequence[str]:
+        """The text of the program."""
+        return self.program.lines
+
+    def news(self) -> tuple[str, ...]:
+        """What a person should know who goes on with it, sentences."""
+        changed = self.program.news()
+        as_started = (f"{changed} What runs is what it held when it was started.",)
+        return (*self._left.news(self._context), *(as_started if changed else ()))
+
+    def way(self, back: int = 0, given_up: Callable[[], bool] = lambda: False) -> Way:
+        """The way to the place, or to one some moves before it; from any thread.
+
+        Raises:
+            ProgramError: if a line before it is refused.
+            Cancelled: if it was given up.
+        """
+        begun = self.program.begun(self._context, past=self._left, back=back)
+        return way_of(begun, given_up)
+
+    def words(self, back: int = 0) -> list[str]:
+        """All that is to be said before it moves, in lines."""
+        way = self.way(back)
+        return [*way.lines(self.name), *self.news()]
+
+    def start(self, controller: Controller, back: int = 0) -> None:
+        """Give it to the controller; its ``run`` goes on with it. In the machine's thread.
+
+        Raises:
+            StateError: if the machine is not ready, or stands otherwise by now.
+        """
+        if ProgramContext.of(controller) != self._context:
+            raise StateError(
+                f"The machine has changed since it was shown how to go on with {self.name}: ask"
+                " again; nothing has moved."
+            )
+        self.program.start(controller, past=self._left, back=back)
