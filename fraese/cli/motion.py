@@ -17,6 +17,7 @@ from fraese.cli.shared import (
     leave,
     with_options,
 )
+from fraese.control.asleft import take_as_left
 from fraese.control.controller import Controller
 from fraese.errors import Cancelled, UsageError
 from fraese.program import Resumption, open_program
@@ -210,6 +211,16 @@ def zero(
         controller.set_zero(axes_named(axes or [], names) or names)
 
     on.do(action)
+
+
+@app.command()
+@with_options
+def trust(on: Place) -> None:
+    """Take the position as a crash left it, where the motors find back to it; nothing moves.
+
+    Only if nobody has pushed an axis since. What is known of the position, fraese where says.
+    """
+    on.do(take_as_left)
 
 
 @app.command()

@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from fraese.assembly import assemble
+from fraese.control.state import Status
 from tests.cli.test_session import begun, fraese
+from tests.helpers import configured, crash
 
 PART = "G21 G90 F900\nG0 Z-1\nO1 REPEAT [3]\nG1 X12\nG1 X2\nO1 ENDREPEAT\nG1 X5 Y4\nM2\n"
 
@@ -80,3 +83,18 @@ def test_without_the_kept_copy_it_is_refused(tmp_path: Path) -> None:
     assert refused.returncode == 2
     assert "kept copy" in refused.stderr
     assert _where(tmp_path) == before
+
+
+def test_what_a_crash_left_near_its_place_is_taken_on_a_persons_word(tmp_path: Path) -> None:
+    made = assemble(configured(), state=tmp_path / "state")
+    made.controller.home()
+    assert made.controller.run() is Status.OK
+    crash(made)
+    assert "or take it as it was left (fraese trust)" in fraese(tmp_path, "where").stderr
+    assert fraese(tmp_path, "trust").returncode == 0
+    where = fraese(tmp_path, "where", "--json")
+    assert json.loads(where.stdout)["referenced"] == {"x": True, "y": True, "z": True}
+    assert "not trusted" not in where.stderr
+    again = fraese(tmp_path, "trust")
+    assert again.returncode == 2
+    assert "nothing to take" in again.stderr

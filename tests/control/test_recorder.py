@@ -4,6 +4,7 @@ Truth are the driver's counts and the simulated mill's carriages, looked at when
 and when the run loop has polled; what is claimed is read from the journal's file.
 """
 
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -127,6 +128,8 @@ def test_a_place_that_cannot_be_kept_brakes_the_job(
         if any(made.controller.travelled_steps()):
             monkeypatch.setattr(store, "write_all", broken)
 
+    # However fast it runs: between two looks there is time for a record.
+    made.recorder._now_ns = count(10**12, 10**8).__next__  # type: ignore[attr-defined]
     made.controller.set_break_key(breaks)
     program(tmp_path, ZIGZAG).start(made.controller)
     assert made.controller.run() is Status.ERROR
