@@ -40,11 +40,19 @@ MUTANTS: Final = (
         "control/position: a reference is never lost",
         "after a stop without ramp the soft limits are in the wrong place",
         _C + "position.py",
-        "self.referenced = tuple(old and n not in lost for n, old in enumerate(self.referenced))",
+        "self.referenced = self._without(lost, self.referenced)",
         "pass",
         tests_of(
             "control/test_controller.py", "test_stop_above_the_start_rate_takes_the_reference"
         ),
+    ),
+    Mutant(
+        "control/position: half a turn away is near enough",
+        "a motor may be pulled to the wrong step, and the position is trusted",
+        _C + "position.py",
+        "2 * max(span) < turn",
+        "2 * max(span) <= turn",
+        tests_of("control/test_asleft.py", "test_only_what_the_motors_find_back_to_is_taken"),
     ),
     Mutant(
         "control/position: the latched place is on the wrong side",
