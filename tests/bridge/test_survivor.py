@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from fraese.errors import PortError
 from fraese.motor.bridge.codec import hello
 from fraese.motor.bridge.driver import BridgeDriver
 from fraese.motor.bridge.ledger import SIZE, FileLedger, book_in
@@ -89,6 +90,18 @@ def test_another_session_is_never_believed(fault: str, tmp_path: Path) -> None:
     else:
         bench.unplug()
     assert asked(bench, ledger) is None
+
+
+@needs_firmware
+def test_a_driver_that_finds_nobody_leaves_an_older_ledger_alone(tmp_path: Path) -> None:
+    bench, path = FirmwareBench("smc"), tmp_path / "ledger"
+    before = written(tmp_path)
+    bench.chip.avr.set_host_baud(9600)
+    file = path.open("r+b", buffering=0)
+    with pytest.raises(PortError):
+        bench.another_driver(ledger=FileLedger(file, TOKEN, BOOT))
+    assert file.closed
+    assert path.read_bytes() == before
 
 
 def written(tmp_path: Path) -> bytes:

@@ -105,7 +105,11 @@ class BridgeDriver:
         self._picture = Picture(card, has_table=bool(facts.table), ledger=ledger)
         self._session: Session | None = None
         self._search = Search(self._connecting_again, clock, name)
-        finish(self._connecting(again=False))
+        try:
+            finish(self._connecting(again=False))
+        except BaseException:
+            ledger.close()
+            raise
 
     # --- the seam --------------------------------------------------------------------------------
 
