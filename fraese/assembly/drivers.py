@@ -15,7 +15,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 from fraese.assembly.simulation import simulated_mill
-from fraese.assembly.survivors import Opening, ledger_of
+from fraese.assembly.survivors import Opening, ledger_of, words_to
 from fraese.assembly.tracing import LocalTrace, Trace, Wanted, closed_on_failure
 from fraese.config import Config
 from fraese.config.wiring import PortConfig
@@ -147,6 +147,7 @@ def _in_real_time(order: Order) -> Made:
         safe_outputs=order.safe_outputs,
         options=realtime_options(order.config),
         inherited=() if order.lock is None else (order.lock,),
+        last_words=words_to(order.opening),
     )
     driver, trace = real_time_driver(setup, order.trace)
     return on_metal(driver, MonotonicClock(), trace)

@@ -84,8 +84,8 @@ class Keeping:
             axes = len(self._machine.axes)
             record = state_in(found.payload, axes, str(self.path))
             kept: SavedState | None = None
-            if to_write and found.is_trusted:
-                kept = self._of_survivor(record)
+            if found.is_trusted:
+                kept = self._of_survivor(record, to_write=to_write)
                 notes += [KNOWN] if kept else []
             kept = kept or record.believed(is_trusted=found.is_trusted)
         else:
@@ -95,10 +95,10 @@ class Keeping:
         meant, forgotten = still_meant(kept, self._config, self._machine)
         return meant, [forgotten] if forgotten else notes
 
-    def _of_survivor(self, record: SavedState) -> SavedState | None:
-        """See ``known``; it can be asked but once, so the answer is written down."""
-        kept = known(record, self._config, self._machine, self.path)
-        if kept is not None:
+    def _of_survivor(self, record: SavedState, *, to_write: bool) -> SavedState | None:
+        """See ``known``; who drives can ask but once, so the answer is written down."""
+        kept = known(record, self._config, self._machine, self.path, to_drive=to_write)
+        if kept is not None and to_write:
             # Where no record can be written nothing will move.
             with contextlib.suppress(ConfigError):
                 self.write(kept, durable=True)

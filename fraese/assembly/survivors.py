@@ -3,9 +3,11 @@
     kind      who made the steps     asked with
     bridge    the microcontroller    STATUS, before anything resets it; beside the journal lies a
                                      ledger that says what its answer means
+    ppdev     a process              nothing: it is gone by now, and its last words lie beside the
+    devport   likewise               journal
 
-Rule 1: asked only where the record says that the machine moves, and by who will drive it: the
-        question brakes.
+Rule 1: asked only where the record says that the machine moves. A bridge only by who will drive it:
+        the question brakes. What lies in a file is read by everybody.
 Rule 2: believed only what is of the record's very session. Whatever does not fit is nothing: then
         the bounds of the record hold.
 """
@@ -14,7 +16,7 @@ import os
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from fraese.config import Config
 from fraese.control.savedstate import SavedState
@@ -32,7 +34,11 @@ from fraese.motor.bridge.ledger import (
     this_boot,
 )
 from fraese.motor.clock import MonotonicClock
+from fraese.motor.realtime import lastwords
 from fraese.motor.realtime.lastwords import LastWords
+
+if TYPE_CHECKING:
+    from fraese.motor.realtime.setup import WordsTo
 
 KNOWN: Final = (
     "The last program ended while the machine moved; what made the steps lived on, and the place is"
@@ -52,7 +58,21 @@ class Opening(NamedTuple):
     journal: Path
 
 
-def known(record: SavedState, config: Config, machine: Machine, journal: Path) -> SavedState | None:
+class Survivor(NamedTuple):
+    """What lives on where steps are made in one way.
+
+    Attributes:
+        asks: for what it knows of that opening; None: nothing.
+        by_anyone: it does no harm; else only who drives the machine may.
+    """
+
+    asks: Callable[[Config, Opening], LastWords | None]
+    by_anyone: bool
+
+
+def known(
+    record: SavedState, config: Config, machine: Machine, journal: Path, *, to_drive: bool
+) -> SavedState | None:
     """A record in motion, with the place as it is known for certain; None: it is not.
 
     Args:
@@ -60,12 +80,15 @@ def known(record: SavedState, config: Config, machine: Machine, journal: Path) -
         config: the machine,
         machine: and its axes.
         journal: where it was.
+        to_drive: this program drives the machine; else it only looks.
     """
     opening = Opening(record.session.encode("ascii", "replace"), journal)
-    asks = SURVIVORS.get(config.port.kind)
-    if record.motion is None or asks is None or len(opening.token) != TOKEN_BYTES:
+    survivor = SURVIVORS.get(config.port.kind)
+    if record.motion is None or survivor is None or len(opening.token) != TOKEN_BYTES:
         return None
-    words = asks(config, opening)
+    if not (to_drive or survivor.by_anyone):
+        return None
+    words = survivor.asks(config, opening)
     return None if words is None else survived(record, words, machine)
 
 
@@ -126,6 +149,41 @@ def _ask_bridge(config: Config, opening: Opening) -> LastWords | None:
     return ask(partial(SerialLine, device, config.port.baud), MonotonicClock(), book)
 
 
-SURVIVORS: Final[Mapping[str, Callable[[Config, Opening], LastWords | None]]] = {
-    "bridge": _ask_bridge,
+# --- step process ---------------------------------------------------------------------------------
+
+
+def words_to(opening: Opening | None) -> "WordsTo | None":
+    """Where a step process is to leave its last words; None: nowhere, if that cannot be.
+
+    Raises:
+        ConfigError: if something else lies where the file should be.
+    """
+    from fraese.motor.realtime.setup import WordsTo
+
+    if opening is None:
+        return None
+    path = _words_file(opening)
+    try:
+        # Says what else lies there.
+        if (fd := open_plain(path, os.O_RDONLY)) is not None:
+            os.close(fd)
+        return WordsTo(lastwords.open_for(path), opening.token)
+    except OSError:
+        return None
+
+
+def _last_words(config: Config, opening: Opening) -> LastWords | None:
+    words = lastwords.read(_words_file(opening))
+    return words if words is not None and words.token == opening.token else None
+
+
+def _words_file(opening: Opening) -> Path:
+    return opening.journal.with_suffix(".words")
+
+
+_STEP_PROCESS: Final = Survivor(_last_words, by_anyone=True)
+SURVIVORS: Final[Mapping[str, Survivor]] = {
+    "bridge": Survivor(_ask_bridge, by_anyone=False),
+    "ppdev": _STEP_PROCESS,
+    "devport": _STEP_PROCESS,
 }

@@ -21,6 +21,7 @@ from fraese.assembly import Plant
 from fraese.cli.departure import Departure
 from fraese.cli.output import note, result, say, show_progress, tell, wipe_progress
 from fraese.control.controller import Controller
+from fraese.control.position import Position
 from fraese.control.state import MachineState, Status, three_decimals
 from fraese.control.switchtest import SwitchTest
 from fraese.errors import Alarm, Cancelled, FraeseError
@@ -154,6 +155,7 @@ class Session:
                 "tool_length_mm": state.work.tool_length_mm,
             },
             "referenced": by_axis(state.referenced),
+            "doubt": _doubt_result(self._controller.position),
             "steps": by_axis(self._controller.travelled_steps()),
             "units": by_axis(state.units),
             "step": state.step_word,
@@ -292,6 +294,20 @@ def _look_once(controller: Controller, *, as_json: bool) -> int:
 
 def _alarm_result(error: FraeseError | None) -> dict[str, Any]:
     return {"alarm": error.as_dict()} if isinstance(error, Alarm) else {}
+
+
+def _doubt_result(where: Position) -> dict[str, Any] | None:
+    """Why the position may be another one, and between which places it is, if that is known."""
+    doubt = where.doubt
+    if doubt is None:
+        return None
+    low, high = zip(*where.bounds_steps(), strict=True) if doubt.spans_steps else (None, None)
+    names = where.machine.names
+    return {
+        "why": doubt.why,
+        "low_steps": low and dict(zip(names, low, strict=True)),
+        "high_steps": high and dict(zip(names, high, strict=True)),
+    }
 
 
 def refuse(error: FraeseError, *, as_json: bool) -> int:

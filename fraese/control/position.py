@@ -148,17 +148,26 @@ class Position:
         if all(self.referenced):
             self.doubt, self.was_abandoned = None, False
 
+    def bounds_steps(self) -> list[tuple[int, int]]:
+        """Per axis, between which places it is; empty: nobody knows, or there is no doubt."""
+        spans = self.doubt.spans_steps if self.doubt else ()
+        return [
+            (at, at) if is_sure else (at - below, at + above)
+            for at, (below, above), is_sure in zip(
+                self.position_steps, spans, self.referenced, strict=False
+            )
+        ]
+
     def doubt_in_words(self) -> str:
         """What is not known of the position, a sentence; empty if nothing."""
         if self.doubt is None:
             return ""
-        axes = list(enumerate(self.machine.axes))
         between = [
-            f"{axis.name.upper()} {axis.to_mm(at - below):.3f} and {axis.to_mm(at + above):.3f}"
-            for (n, axis), at, (below, above) in zip(
-                axes, self.position_steps, self.doubt.spans_steps, strict=False
+            f"{axis.name.upper()} {axis.to_mm(low):.3f} and {axis.to_mm(high):.3f}"
+            for axis, is_sure, (low, high) in zip(
+                self.machine.axes, self.referenced, self.bounds_steps(), strict=False
             )
-            if not self.referenced[n]
+            if not is_sure
         ]
         where = f", between {', '.join(between)} (machine)" if between else ""
         also = ", or take it as it was left (fraese trust)" if self.finds_back else ""

@@ -1,135 +1,133 @@
-"""Whom a machine asks after a crash, and whom it does not believe."""
+"""What a step process left, and whether the next program believes it: files only, no port."""
 
+import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from fraese.assembly import survivors
 from fraese.assembly.keeping import Keeping
 from fraese.assembly.meaning import meaning
-from fraese.assembly.survivors import KNOWN, Opening, ledger_of
-from fraese.control.savedstate import Motion, SavedState
+from fraese.assembly.survivors import KNOWN, Opening, words_to
+from fraese.control.savedstate import DAMAGED, KeptDoubt, Motion, SavedState
+from fraese.errors import ConfigError
 from fraese.journal.pages import SLOT
 from fraese.machine import Machine
-from fraese.motor.bridge import survivor
-from fraese.motor.bridge.ledger import TOKEN_BYTES, Book, this_boot
-from fraese.motor.realtime.lastwords import LastWords
+from fraese.motor.realtime.lastwords import LastWords, leave
 from fraese.motor.seams import Ended
 from tests.helpers import configured
 
-SESSION = "0123456789abcdef"
-TOKEN = SESSION.encode()
-CONFIG = configured(port={"kind": "bridge", "device": "/dev/ttyFR"})
+CONFIG = configured(port={"kind": "ppdev"})
 MACHINE = Machine.from_config(CONFIG)
-MOVING = SavedState(
-    position_steps=(50, 0, 0),
+TOKEN = b"0123456789abcdef"
+RECORD = SavedState(
+    position_steps=(500, 40, 0),
     slack_steps=(0, 0, 0),
     parameters={},
     referenced=(True, True, True),
-    phases=(0, 0, 0),
-    motion=Motion(low_steps=(0, 0, 0), high_steps=(90, 0, 0), counted_steps=(50, 0, 0)),
+    phases=(1, 2, 3),
     axes=meaning(CONFIG, MACHINE),
-    session=SESSION,
+    motion=Motion(low_steps=(400, 0, -10), high_steps=(600, 80, 10), counted_steps=(120, -7, 0)),
+    session=TOKEN.decode(),
 )
-
-pytestmark = pytest.mark.skipif(not this_boot(), reason="the system does not say which run it is")
-
-
-@pytest.fixture
-def asked(monkeypatch: pytest.MonkeyPatch) -> list[bytes]:
-    """Tokens of those who asked; a bridge answers everybody."""
-    tokens: list[bytes] = []
-
-    def ask(_line: object, _clock: object, book: Book) -> LastWords:
-        tokens.append(book.token)
-        return LastWords(book.token, (73, 0, 0), (1, 0, 0), frozenset(), Ended.SILENCE)
-
-    monkeypatch.setattr(survivor, "ask", ask)
-    return tokens
+WORDS = LastWords(TOKEN, (173, -7, 2), (6, 2, 5), frozenset(), Ended.TARGET)
+PLACE = (553, 40, 2)
 
 
-def ended_suddenly(folder: Path, record: SavedState = MOVING, token: bytes = TOKEN) -> None:
-    """A program that drives a bridge leaves a record and a ledger."""
-    kept = keeping(folder)
-    kept.write(record, durable=True)
-    ledger = ledger_of(Opening(token, kept.path))
-    ledger.begin(77, 8, (0, 0, 0), (0, 0, 0))
-    ledger.close()
-    kept.close()
-
-
-def keeping(folder: Path) -> Keeping:
+def left(folder: Path, record: SavedState, words: LastWords | None) -> Keeping:
+    """What a killed program and its step process leave."""
+    keeping = Keeping(folder, CONFIG, MACHINE)
+    keeping.write(record, durable=True)
+    to = words_to(Opening(TOKEN, keeping.path))
+    assert to is not None
+    if words is not None:
+        leave(to.fd, words)
+    os.close(to.fd)
     return Keeping(folder, CONFIG, MACHINE)
 
 
-def loaded(folder: Path, *, to_write: bool = True) -> tuple[SavedState, list[str]]:
-    kept = keeping(folder)
-    state, notes = kept.load(to_write=to_write)
-    kept.close()
-    assert state is not None
-    return state, notes
+def test_who_looks_believes_it_and_writes_nothing(tmp_path: Path) -> None:
+    keeping = left(tmp_path, RECORD, WORDS)
+    for _ in range(2):
+        state, notes = keeping.load(to_write=False)
+        assert state is not None
+        assert (state.position_steps, state.phases) == (PLACE, WORDS.phases)
+        assert (state.referenced, state.doubt) == ((True, True, True), None)
+        assert notes == [KNOWN]
 
 
-def test_what_it_knows_is_taken_up_and_written_down(tmp_path: Path, asked: list[bytes]) -> None:
-    ended_suddenly(tmp_path)
-    for notes in ([KNOWN], []):
-        state, said = loaded(tmp_path)
-        assert said == notes
-        assert (state.position_steps, state.phases) == ((73, 0, 0), (1, 0, 0))
-        assert state.referenced == (True, True, True)
-        assert (state.motion, state.doubt) == (None, None)
-    # It is asked but once: the driver's greeting makes it forget.
-    assert asked == [TOKEN]
+def test_who_drives_takes_it_over_before_the_words_are_overwritten(tmp_path: Path) -> None:
+    state, _ = left(tmp_path, RECORD, WORDS).load(to_write=True)
+    (tmp_path / "ppdev-parport0.words").unlink()
+    again, notes = Keeping(tmp_path, CONFIG, MACHINE).load(to_write=True)
+    assert again == state
+    assert notes == []
 
 
-def test_who_only_looks_asks_nobody(tmp_path: Path, asked: list[bytes]) -> None:
-    ended_suddenly(tmp_path)
-    state, _ = loaded(tmp_path, to_write=False)
-    assert state.doubt is not None
-    assert asked == []
+CHANGED = replace(WORDS, position_steps=(173, -7, 3)).packed()[:-4] + WORDS.packed()[-4:]
 
 
 @pytest.mark.parametrize(
-    "left",
-    [
-        {"token": bytes(TOKEN_BYTES)},
-        {"record": MOVING.model_copy(update={"session": ""})},
-        {"record": MOVING.model_copy(update={"session": "fedcba9876543210"})},
-        {"record": MOVING.model_copy(update={"motion": None})},
-    ],
-    ids=["ledger of another", "no session", "another session", "at rest"],
-)
-def test_another_session_is_not_asked_for(
-    tmp_path: Path, asked: list[bytes], left: dict[str, Any]
-) -> None:
-    ended_suddenly(tmp_path, **left)
-    state, notes = loaded(tmp_path)
-    assert (state.position_steps, notes, asked) == ((50, 0, 0), [], [])
-
-
-def test_after_the_computer_began_anew_nobody_is_asked(
-    tmp_path: Path, asked: list[bytes], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    ended_suddenly(tmp_path)
-    monkeypatch.setattr(survivors, "this_boot", lambda: bytes(16))
-    state, _ = loaded(tmp_path)
+    "left_over",
+    [b"", WORDS.packed()[:-1], CHANGED, replace(WORDS, token=bytes(16)).packed(),
+     replace(WORDS, position_steps=(500, -7, 2)).packed()],
+    ids=["nothing", "half", "damaged", "of another session", "outside of the bounds"],
+)  # fmt: skip
+def test_else_the_bounds_of_the_record_hold(tmp_path: Path, left_over: bytes) -> None:
+    keeping = left(tmp_path, RECORD, None)
+    (tmp_path / "ppdev-parport0.words").write_bytes(left_over)
+    state, notes = keeping.load(to_write=True)
+    assert state is not None
+    assert notes == []
+    assert state.position_steps == RECORD.position_steps
+    assert state.referenced == (False, False, False)
     assert state.doubt is not None
-    assert asked == []
+    assert state.doubt.spans_steps == ((100, 100), (40, 40), (10, 10))
 
 
-def test_a_record_that_may_not_be_the_last_asks_nobody(tmp_path: Path, asked: list[bytes]) -> None:
-    ended_suddenly(tmp_path)
-    path = keeping(tmp_path).path
-    data = bytearray(path.read_bytes())
-    # In the other of its two slots: what stood there may have been the last one.
-    data[SLOT] ^= 1
-    path.write_bytes(data)
-    loaded(tmp_path)
-    assert asked == []
+@pytest.mark.parametrize(
+    "change",
+    [{"motion": None}, {"session": "0123456789abcdeX"}, {"session": "short"}, {"session": "ß" * 16}],
+    ids=["at rest", "another session", "no token", "no letters"],
+)
+def test_words_are_of_the_record_that_says_in_motion(
+    tmp_path: Path, change: dict[str, Any]
+) -> None:
+    record = RECORD.model_copy(update=change)
+    state, notes = left(tmp_path, record, WORDS).load(to_write=True)
+    assert state == record.believed()
+    assert notes == []
 
 
-def test_where_nothing_can_be_written_down_nothing_is(tmp_path: Path) -> None:
-    ledger = ledger_of(Opening(TOKEN, tmp_path / "missing" / "bridge.journal"))
-    ledger.begin(77, 8, (0,), (0,))
-    assert list(tmp_path.iterdir()) == []
+def test_motors_that_were_torn_have_no_reference(tmp_path: Path) -> None:
+    words = replace(WORDS, torn=frozenset({0, 2}))
+    state, _ = left(tmp_path, RECORD, words).load(to_write=True)
+    assert state is not None
+    assert (state.position_steps, state.referenced) == (PLACE, (False, True, False))
+
+
+def test_a_damaged_journal_is_not_mended_by_words(tmp_path: Path) -> None:
+    keeping = left(tmp_path, RECORD, WORDS)
+    keeping.load(to_write=False)
+    keeping.write(RECORD, durable=True)
+    data = bytearray(keeping.path.read_bytes())
+    data[SLOT + 100] ^= 1
+    keeping.path.write_bytes(data)
+    state, _ = Keeping(tmp_path, CONFIG, MACHINE).load(to_write=True)
+    assert state is not None
+    assert state.doubt == KeptDoubt(why=DAMAGED)
+
+
+@pytest.mark.parametrize("what", ["a link", "no file", "a folder"])
+def test_what_is_no_file_there_is_refused(tmp_path: Path, what: str) -> None:
+    path = tmp_path / "ppdev-parport0.words"
+    made = {"a link": lambda: path.symlink_to("x"), "no file": lambda: os.mkfifo(path)}
+    made.get(what, path.mkdir)()
+    with pytest.raises(ConfigError, match=f"words: is {what}, where the state is kept"):
+        words_to(Opening(TOKEN, tmp_path / "ppdev-parport0.journal"))
+
+
+def test_where_no_file_can_be_made_there_are_no_words(tmp_path: Path) -> None:
+    assert words_to(Opening(TOKEN, tmp_path / "none" / "ppdev-parport0.journal")) is None
+    assert words_to(None) is None

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 
+from fraese.assembly.survivors import KNOWN
 from tests.rigs.lpt.fakeport import Event, missing, writes
 from tests.rigs.lpt.shop import Answer, Shop, child_of, is_alive
 from tests.rigs.lpt.steps import check_motors_off, data_bytes
@@ -82,12 +83,24 @@ def test_a_killed_program_leaves_the_motors_off(tmp_path: Path) -> None:
     # It has braked: no tick was given up half-way, both axes made the same steps.
     x_steps, y_steps, _ = shop.travelled_steps()
     assert x_steps == y_steps
-    # The motors are where the last record says that they are, and the next command tells.
+    # The motors are where the last record says that they are, and the step process knows better.
     check_within(shop)
-    for _ in range(2):
-        answer = shop.command("where")
-        assert answer.code == 0
-        assert "the program ended while the machine moved, between X" in answer.noted
+    answer = shop.command("where", "--json")
+    assert KNOWN in answer.noted
+    assert claimed_steps(answer) == shop.travelled_steps()
+    assert shop.kept()["motion"] is not None
+    # The next command that drives takes the place over, with the phases: no step is lost.
+    answer = shop.command("move", "X0.1", "--relative", "--json")
+    assert KNOWN in answer.noted
+    assert claimed_steps(answer) == shop.travelled_steps()
+    assert tuple(shop.kept()["position_steps"]) == shop.travelled_steps()
+    assert shop.kept()["motion"] is None
+
+
+def claimed_steps(answer: Answer) -> tuple[int, ...]:
+    """Where the machine is said to be, to the step."""
+    assert answer.result["doubt"] is None
+    return tuple(answer.result["position_steps"].values())
 
 
 def check_within(shop: Shop) -> None:

@@ -62,28 +62,37 @@ def main(memory_fd: int, samples: int, host_fd: int = 0) -> int:
         return _fail(memory, FAILED_LIVE, failure or error)
     if failure is not None:
         return _fail(memory, FAILED, failure)
-    _leave_words(setup, core, ended)
+    _leave_words(setup, core, ended, durable=host.broken)
     memory.words[STAGE] = ENDED
     return 0
 
 
-def _leave_words(setup: Setup, core: MotorCore, ended: Ended) -> None:
-    """Nobody may be there any more to whom the last report could be of use."""
+def _leave_words(setup: Setup, core: MotorCore, ended: Ended, *, durable: bool) -> None:
+    """Nobody may be there any more to whom the last report could be of use.
+
+    Args:
+        setup: where to leave them.
+        core: closed.
+        ended: why the motors stood before that.
+        durable: wait for the disk; a host that lives would have to wait too.
+    """
     to, track = setup.last_words, core.run.track
     if to is None:
         return
     counts = track.position_steps()
     base = to.base_steps or (0,) * len(counts)
+    # Where the last one was killed is known to a tick only; that is told before this one moves.
+    is_unsure = bool(to.base_steps) and not any(track.travelled_steps())
     words = LastWords(
         token=to.token,
         position_steps=tuple(a + b for a, b in zip(base, counts, strict=True)),
         phases=tuple(core.card.phases()),
-        torn=track.torn,
+        torn=frozenset(range(len(counts))) if is_unsure else track.torn,
         ended=ended,
     )
     # A disk that fails must not keep the process from ending.
     with contextlib.suppress(OSError):
-        leave(to.fd, words)
+        leave(to.fd, words, durable=durable)
 
 
 def _core(setup: Setup, clock: RealtimeClock, memory: Memory) -> MotorCore:

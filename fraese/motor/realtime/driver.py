@@ -14,7 +14,9 @@ Rule 3: a child that died, or was killed because it did not answer, is told of o
         what was known last, and all motors are torn until something moves again.
 """
 
+import os
 import time
+from contextlib import suppress
 from dataclasses import replace
 from typing import Final
 
@@ -40,7 +42,8 @@ class RealtimeDriver:
     """The peer behind the StepDriver seam that has a child make the steps.
 
     Args:
-        setup: what the child is told: the arguments of ``MotorCore``, and how to open the port.
+        setup: what the child is told: the arguments of ``MotorCore``, and how to open the port. The
+            file for its last words is closed with the driver.
 
     Raises:
         PortError: if the child does not start; with the port's own sentence if it was that.
@@ -55,7 +58,11 @@ class RealtimeDriver:
         self._pushed_before = 0
         self._revive_at_s = 0.0
         self._closed = False
-        self._session = Session(setup)
+        try:
+            self._session = Session(setup)
+        except BaseException:
+            self._close_words()
+            raise
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -149,8 +156,16 @@ class RealtimeDriver:
         Raises:
             PortError: if the motors could not be switched off.
         """
-        self._closed = True
-        self._session.close()
+        is_first, self._closed = not self._closed, True
+        try:
+            self._session.close()
+        finally:
+            if is_first:
+                self._close_words()
+
+    def _close_words(self) -> None:
+        if self._setup.last_words is not None:
+            os.close(self._setup.last_words.fd)
 
     def samples(self) -> tuple[bytes, float]:
         """What the child has measured, if it does.
@@ -208,6 +223,10 @@ class RealtimeDriver:
         words = self._setup.last_words
         if words is None:
             return self._setup
+        # What the last one may have left holds no more as soon as this one moves.
+        with suppress(OSError):
+            os.ftruncate(words.fd, 0)
+            os.fsync(words.fd)
         return replace(self._setup, last_words=replace(words, base_steps=base_steps))
 
     def _report(self, told: Told) -> Report:

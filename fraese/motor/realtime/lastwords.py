@@ -3,8 +3,9 @@ r"""What the step process leaves when it ends: where the motors stand, in a smal
     host --opens--> file --descriptor--> child ... host killed ... brake, off, last words, end
     next program --read--> LastWords: the count to the step
 
-Rule 1: written once, after the motors stand and are off, and synced: what is there is final. A
-        child that is killed, or fails, leaves none; half a record is none.
+Rule 1: written once, after the motors stand and are off: what is there is final. It is synced if
+        the host is dead; one that lives keeps a better record. A child that is killed, or fails,
+        leaves none; half a record is none.
 Rule 2: words belong to one session, by the token that the host chose; counts are those of the
         host's driver, over all its step processes.
 Rule 3: a file that is a link, a pipe or a device is not read.
@@ -108,10 +109,11 @@ def read(path: Path) -> LastWords | None:
         os.close(fd)
 
 
-def leave(fd: int, words: LastWords) -> None:
-    """Write and sync."""
+def leave(fd: int, words: LastWords, *, durable: bool = True) -> None:
+    """Write, and sync if it is to outlive the computer too."""
     os.pwrite(fd, words.packed(), 0)
-    os.fsync(fd)
+    if durable:
+        os.fsync(fd)
 
 
 def _filled(values: Sequence[int]) -> list[int]:
