@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from bench.mutants.mutant import Mutant
+from bench.mutants.mutant import Mutant, tests_of
 
 _A: Final = "fraese/assembly/"
 _LASER: Final = ("tests/program/test_laser.py",)
@@ -31,5 +31,24 @@ MUTANTS: Final = (
         "            safe_outputs=safe_outputs,\n            silence_s=",
         "            silence_s=",
         _LASER,
+    ),
+    Mutant(
+        "assembly/survivors: words of any session are believed",
+        "a place of another day is trusted",
+        _A + "survivors.py",
+        "words is not None and words.token == opening.token",
+        "words is not None",
+        tests_of("assembly/test_survivors.py", "test_else_the_bounds_of_the_record_hold"),
+    ),
+    Mutant(
+        "assembly/keeping: words are not taken over",
+        "a second crash before anything moves loses the place",
+        _A + "keeping.py",
+        "                self.write(kept, durable=True)\n",
+        "                pass\n",
+        tests_of(
+            "assembly/test_survivors.py",
+            "test_who_drives_takes_it_over_before_the_words_are_overwritten",
+        ),
     ),
 )

@@ -148,10 +148,10 @@ MUTANTS: Final = (
         tests_of("program/test_program.py", "test_after_a_cancel_no_spindle_runs"),
     ),
     Mutant(
-        "control/runloop: a lost port keeps the references",
+        "control/motionqueue: a lost port keeps the references",
         "a position that nobody knows counts as right",
-        _C + "runloop.py",
-        "        self._position.lose_reference(range(len(self._position.machine.axes)))\n",
+        _C + "motionqueue.py",
+        "        where.lose_reference(range(len(where.machine.axes)))\n",
         "",
         tests_of(
             "control/test_controller.py",
@@ -223,6 +223,28 @@ MUTANTS: Final = (
         "            self._recorder.before_motion()\n",
         "            pass\n",
         tests_of("ui/test_moving.py", "test_motion_is_written_down_first_and_may_be_refused"),
+    ),
+    Mutant(
+        "control/recorder: who stopped without ramp goes on before that is written",
+        "after a crash an axis that turned on is trusted",
+        _C + "recorder.py",
+        "        return not self._torn or self._box_ns >= self._torn_ns\n",
+        "        return True\n",
+        tests_of(
+            "control/test_recorder.py",
+            "test_who_stopped_without_ramp_does_not_move_before_that_is_on_the_disk",
+        ),
+    ),
+    Mutant(
+        "control/motionqueue: what an alarm says of the place is not kept",
+        "after the step process died the record says a place to the step that nobody knows",
+        _C + "motionqueue.py",
+        "        where.doubt_between(DIED, low, high)\n",
+        "",
+        tests_of(
+            "control/test_recorder.py",
+            "test_what_made_the_steps_died_and_the_record_says_what_the_alarm_said",
+        ),
     ),
     Mutant(
         "journal/store: what was damaged is taken for broken off",

@@ -123,6 +123,22 @@ MUTANTS: Final = (
         tests_of("realtime/test_lives.py", "TestDeathOfTheHost"),
     ),
     Mutant(
+        "realtime/driver: what an earlier step process left stays",
+        "after a crash the place is that of the step process before the last",
+        _R + "driver.py",
+        "            os.ftruncate(words.fd, 0)\n",
+        "            pass\n",
+        tests_of("realtime/test_lastwords.py", "TestKilledHost"),
+    ),
+    Mutant(
+        "realtime/child: one that has not moved is sure of its place",
+        "after two crashes a place that is known to a tick only is trusted",
+        _R + "child.py",
+        "    is_unsure = bool(to.base_steps) and not any(track.travelled_steps())\n",
+        "    is_unsure = False\n",
+        tests_of("realtime/test_lastwords.py", "TestKilledHost"),
+    ),
+    Mutant(
         "realtime/session: a machine that stood still blames the child",
         "the position is lost because the host was busy",
         _R + "session.py",

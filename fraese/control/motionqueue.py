@@ -13,6 +13,7 @@ Rule 3: a job's blocks are counted, pushed and finished. What is pushed for a wa
 
 from collections import deque
 from collections.abc import Iterable
+from dataclasses import replace
 from operator import add, sub
 from typing import Final, NamedTuple
 
@@ -22,10 +23,13 @@ from fraese.control.bounds import Span
 from fraese.control.endswitches import EndSwitches
 from fraese.control.position import Position
 from fraese.control.recorder import Recorder
+from fraese.errors import PortError
 from fraese.machine import Steps
 from fraese.motor.seams import Report, StepDriver
 from fraese.planner.lines import mm_per_tick, planned_s
 
+#: Of a place that is known from what was left of what made the steps.
+DIED: Final = "what made the steps died in the middle of a job"
 #: An input that still changes after so many readings is a matter for a person.
 _MOST_LOOKS: Final = 1000
 
@@ -185,6 +189,28 @@ class MotionQueue:
         if self._queue:
             self.speed_unit = self._position.machine.unit_of_way(self._queue[0].block.steps)
         self._position.seen(counted_steps)
+
+    def lose(self, error: PortError) -> None:
+        """The metal went away: no axis is referenced, and the place is as far known as it says.
+
+        Args:
+            error: with the driver's counts, if they are known: ``at_steps``, and that they are not
+                below ``low_steps`` and not above ``high_steps``.
+        """
+        where = self._position
+        where.lose_reference(range(len(where.machine.axes)))
+        known = [error.facts.get(name) for name in ("at_steps", "low_steps", "high_steps")]
+        at, low, high = (tuple(steps) if isinstance(steps, tuple) else () for steps in known)
+        if not (at and low and high):
+            return
+        self._queue.clear()
+        self._end_steps = at
+        self.report = replace(
+            self.report, position_steps=at, queued=0, tick=0, due_ns=0, rate_hz=0.0, running=False
+        )
+        where.at_rest(at)
+        where.seen(at)
+        where.doubt_between(DIED, low, high)
 
     # --- facts ---------------------------------------------------------------------------------
 

@@ -148,6 +148,25 @@ class Position:
         if all(self.referenced):
             self.doubt, self.was_abandoned = None, False
 
+    def doubt_between(self, why: str, low_steps: Steps, high_steps: Steps) -> None:
+        """The motors may have counted anything between these; a doubt of before goes on.
+
+        Args:
+            why: half a sentence.
+            low_steps: of the driver's counts, per motor; what it was told last is not below,
+            high_steps: and not above.
+        """
+        old = self.doubt.spans_steps if self.doubt else ((0, 0),) * len(low_steps)
+        spans = []
+        for axis, at, low, high, slack, (below, above) in zip(
+            self.machine.axes, self._told_steps, low_steps, high_steps, self.slack_steps, old,
+            strict=False,
+        ):  # fmt: skip
+            down, up = sorted((axis.motor_sign * (low - at), axis.motor_sign * (high - at)))
+            # Where the motor turned round since is not known, so the carriage lags by all or none.
+            spans.append((below - down + slack, above + up + axis.backlash_steps - slack))
+        self.doubt = Doubt(why, tuple(spans))
+
     def bounds_steps(self) -> list[tuple[int, int]]:
         """Per axis, between which places it is; empty: nobody knows, or there is no doubt."""
         spans = self.doubt.spans_steps if self.doubt else ()

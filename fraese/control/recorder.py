@@ -11,7 +11,9 @@ Rule 2: where time passes by itself a thread writes, the latest record only; nob
         and durable at the mark and every 0.25 s. There a power cut takes the mill with it.
 Rule 3: bounds that only hold for a time (``Box.is_whole``) are kept young: finds the run loop its
         record older than ``_OLD_S``, it brakes until there is a younger one (``is_late``).
-Rule 4: what cannot be written is told once: before motion it is refused, in motion it is an alarm.
+Rule 4: motors that stopped without ramp have lost their reference: they do not move again before
+        a record says so.
+Rule 5: what cannot be written is told once: before motion it is refused, in motion it is an alarm.
 """
 
 import math
@@ -146,6 +148,8 @@ class JournalRecorder(Recorder):
         self._box: Box | None = None
         self._asked_ns = self._box_ns = self._synced_ns = 0
         self._marked = False
+        self._torn: frozenset[int] = frozenset()
+        self._torn_ns = 0
         self._still_ns: int | None = None
         self._kept: SavedState | None = None
         self._closed = False
@@ -181,6 +185,8 @@ class JournalRecorder(Recorder):
     def allows(self, end: Steps, next_one: Span) -> bool:
         """Whether this block may follow those that the driver has."""
         box = self._box
+        if self._queue.report.torn and not self._is_told():
+            return self._may_follow([next_one])
         if box is not None and next_one.duration_s <= self._horizon_s and box.holds(end):
             return True
         return self._may_follow([next_one])
@@ -188,12 +194,23 @@ class JournalRecorder(Recorder):
     def _may_follow(self, more: Sequence[Span]) -> bool:
         self._look()
         needed = self._needed(more)
-        if _holds(self._box, needed):
+        if self._is_told() and _holds(self._box, needed):
             return True
-        if not self.is_awaited or not _holds(self._asked, needed):
+        is_asked = _holds(self._asked, needed) and self._asked_ns >= self._torn_ns
+        if not self.is_awaited or not is_asked:
             self._say_moving(more)
             self._look()
-        return _holds(self._box, needed)
+        return _holds(self._box, needed) and self._is_told()
+
+    def _is_told(self) -> bool:
+        """See rule 4."""
+        self._see_torn()
+        return not self._torn or self._box_ns >= self._torn_ns
+
+    def _see_torn(self) -> None:
+        torn = self._queue.report.torn
+        if torn != self._torn:
+            self._torn, self._torn_ns = torn, self._now_ns()
 
     def _needed(self, more: Sequence[Span], margin_s: float = 0.0) -> Box:
         """Bounds of what the driver has, and of what is to follow."""
@@ -204,6 +221,7 @@ class JournalRecorder(Recorder):
     def follow(self) -> None:
         """The driver was polled in a run."""
         self._look()
+        self._see_torn()
         now_ns = self._now_ns()
         if self._queue.report.running:
             self._still_ns = None
@@ -217,6 +235,7 @@ class JournalRecorder(Recorder):
 
     def rests(self) -> None:
         """A run is over."""
+        self._see_torn()
         if self._asked is not None:
             self._still_ns = self._now_ns()
             self._say_moving([])
@@ -224,6 +243,7 @@ class JournalRecorder(Recorder):
     def idle(self) -> None:
         """The driver was polled, and no job runs."""
         self._look()
+        self._see_torn()
         now_ns = self._now_ns()
         if self._queue.report.running or now_ns - self._asked_ns < _EVERY_NS:
             return

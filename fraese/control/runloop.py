@@ -314,7 +314,7 @@ class RunLoop:
     def _lose_port(self, error: PortError) -> None:
         """The metal went away under the job: nobody knows what the motors did last."""
         self.runner.abandon()
-        self._position.lose_reference(range(len(self._position.machine.axes)))
+        self._queue.lose(error)
         self._idle_at_ns = None
         self.status = Status.ERROR
         self.error = error

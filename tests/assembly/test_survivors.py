@@ -88,7 +88,12 @@ def test_else_the_bounds_of_the_record_hold(tmp_path: Path, left_over: bytes) ->
 
 @pytest.mark.parametrize(
     "change",
-    [{"motion": None}, {"session": "0123456789abcdeX"}, {"session": "short"}, {"session": "ß" * 16}],
+    [
+        {"motion": None},
+        {"session": "0123456789abcdeX"},
+        {"session": "short"},
+        {"session": "ß" * 16},
+    ],
     ids=["at rest", "another session", "no token", "no letters"],
 )
 def test_words_are_of_the_record_that_says_in_motion(

@@ -4,6 +4,9 @@ Truth are the driver's counts and the simulated mill's carriages, looked at when
 and when the run loop has polled; what is claimed is read from the journal's file.
 """
 
+import json
+import threading
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
 
@@ -11,14 +14,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fraese import alarms
 from fraese.assembly import Plant, assemble
 from fraese.blocks import CYCLES_PER_S, Block, steps_done
 from fraese.control.bounds import Span, box_of
+from fraese.control.recorder import JournalRecorder
+from fraese.control.savedstate import SavedState, state_in
 from fraese.control.state import Status
-from fraese.errors import ConfigError
+from fraese.errors import ConfigError, PortError
 from fraese.journal import files, store
+from fraese.motor.seams import Report
 from fraese.planner.lines import plan_line, planned_s
-from tests.helpers import configured, crash, kept, plant, program
+from tests.helpers import after_slices, configured, crash, kept, plant, program
 
 MACHINE = plant().controller.machine
 RATES_HZ = [axis.max_rate_hz for axis in MACHINE.axes]
@@ -179,6 +186,93 @@ def test_the_program_and_its_line_are_kept(tmp_path: Path) -> None:
     assert lines[-1] > 10
     # It came to its end: there is nothing to go on with.
     assert kept(tmp_path)["job"] is None
+
+
+def test_who_stopped_without_ramp_does_not_move_before_that_is_on_the_disk(tmp_path: Path) -> None:
+    """A crash in between would find an axis trusted that had turned on."""
+    written: list[tuple[SavedState, int]] = []
+    now_ns, free = [10**9], threading.Semaphore(1)
+
+    def write(state: SavedState, durable: bool) -> None:
+        assert free.acquire(timeout=5)
+        written.append((state, now_ns[0]))
+
+    queue = plant().controller._queue
+    recorder = JournalRecorder(write, MACHINE, 1.0, lambda: now_ns[0])
+    recorder.attach(queue)
+    where = queue._position
+    recorder.begin(lambda: SavedState.of(where, (0, 0, 0), ()))
+    for name in MACHINE.names:
+        where.set_reference(name, 0)
+    block = blocks([(100, 0, 0)])[0]
+    span = Span(block, block.ticks(), 0, planned_s(block))
+    recorder.require([span])
+    assert len(written) == 1
+    assert recorder.allows((100, 0, 0), span)
+    # The stop key, at speed; it may move in the same bounds again, but not before that is known.
+    now_ns[0] += 1
+    queue.report = replace(queue.report, torn=frozenset({0}))
+    where.lose_reference({0})
+    assert not recorder.allows((100, 0, 0), span)
+    recorder.follow()
+    assert not recorder.allows((100, 0, 0), span)
+    assert len(written) == 1
+    free.release()
+    recorder.wait(5)
+    assert recorder.allows((100, 0, 0), span)
+    assert [state.referenced[0] for state, _ in written] == [True, False]
+    # It has moved since.
+    queue.report = replace(queue.report, torn=frozenset())
+    assert recorder.allows((100, 0, 0), span)
+    recorder._writer.close()
+
+
+@pytest.mark.parametrize("backlash_steps", [0, 10])
+def test_what_made_the_steps_died_and_the_record_says_what_the_alarm_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, backlash_steps: int
+) -> None:
+    made = assemble(
+        configured(axes={"y": {"inverted": True}, "z": {"backlash_mm": backlash_steps / 200}}),
+        state=tmp_path,
+    )
+    controller = made.controller
+    controller.move_to({"x": 20, "y": 10, "z": -2}, machine_coordinates=True)
+    driver = controller._loop._driver
+    alarm = PortError(
+        "It died.",
+        alarms.STEP_PROCESS_DIED,
+        at_steps=(1500, -700, -150),
+        low_steps=(1500, -701, -151),
+        high_steps=(1501, -700, -150),
+    )
+
+    def dies(budget_s: float) -> Report:
+        raise alarm
+
+    after_slices(controller, 3, lambda: monkeypatch.setattr(driver, "poll", dies))
+    assert controller.run() is Status.ERROR
+    assert controller.error is alarm
+    at = controller.state().position_steps
+    assert at[:2] == (1500, 700)
+    # Killed now, or ended in order: nothing is narrower, nothing is the whole machine.
+    bounds = [(1500, 1501), (700, 701), (-151, -150)]
+    doubted = controller.position.bounds_steps()
+    assert doubted[:2] == bounds[:2]
+    assert doubted[2][0] <= -151
+    assert doubted[2][1] - doubted[2][0] == 1 + backlash_steps
+    crashed = state_in(json.dumps(kept(tmp_path)).encode(), 3, "").believed()
+    monkeypatch.undo()
+    made.close()
+    ended = state_in(json.dumps(kept(tmp_path)).encode(), 3, "").believed()
+    for state, more in ((crashed, 1), (ended, 0)):
+        assert state.position_steps == at
+        assert state.referenced == (False, False, False)
+        assert state.doubt is not None
+        between = [
+            (here - below, here + above)
+            for here, (below, above) in zip(at, state.doubt.spans_steps, strict=True)
+        ]
+        assert between == [(low - more, high + more) for low, high in doubted]
 
 
 # --- bounds --------------------------------------------------------------------------------------

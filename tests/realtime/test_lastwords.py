@@ -1,6 +1,7 @@
 """What a step process leaves whose host was killed: whole or nothing, and to the step."""
 
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -8,10 +9,16 @@ from pathlib import Path
 
 import pytest
 
+from fraese.errors import PortError
+from fraese.motor.cards.smc1500 import SmcCard
+from fraese.motor.ports.null import NullPort
 from fraese.motor.realtime import lastwords
+from fraese.motor.realtime.driver import RealtimeDriver
 from fraese.motor.realtime.lastwords import SIZE, LastWords, unpacked
+from fraese.motor.realtime.setup import Setup, WordsTo
 from fraese.motor.seams import Ended
 from tests.motor.distantmill import Log, Spectator
+from tests.motor.workbench import line
 
 WORDS = LastWords(bytes(range(16)), (12, -(10**9), 0), (3, 5, 7), frozenset({1}), Ended.TARGET)
 
@@ -87,6 +94,31 @@ class TestKilledHost:
         left = [a - b for a, b in zip(words.position_steps, where, strict=True)]
         assert left[0] > 300
         assert left[0] <= mill.carriages()[0] - where[0] + 50
+
+    def test_a_second_step_process_begins_anew_and_unsure(self, tmp_path: Path) -> None:
+        path = tmp_path / "words"
+        to = WordsTo(lastwords.open_for(path), bytes(range(16)))
+        driver = RealtimeDriver(Setup(NullPort, SmcCard(), last_words=to))
+        driver.push(line(200))
+        while driver.poll(0.01).running:
+            pass
+        os.kill(driver.pid, signal.SIGTERM)
+        with pytest.raises(PortError, match="was told to end"):
+            while True:
+                driver.poll(0.01)
+        left = lastwords.read(path)
+        assert left is not None
+        assert (left.position_steps, left.torn) == ((200, 0, 0), frozenset())
+        driver.poll(0)
+        # Whatever it does from now on, the place of the first one is none of its.
+        assert lastwords.read(path) is None
+        driver.close()
+        words = lastwords.read(path)
+        assert words is not None
+        assert (words.position_steps, words.torn) == ((200, 0, 0), frozenset({0, 1, 2}))
+        with pytest.raises(OSError, match="Bad file descriptor"):
+            os.fstat(to.fd)
+        driver.close()
 
 
 def test_what_was_left_is_read_again(tmp_path: Path) -> None:

@@ -122,7 +122,16 @@ def test_a_killed_step_process_is_replaced_at_the_switch_off(tmp_path: Path) -> 
     check_alarm(answer, "The step process died (SIGKILL); the motors were switched off ")
     after = check_off_within(shop, killed_ns, SOON_S)
     assert {event.pid for event in after[-10:]} == {command.pid}
-    check_within(shop)
+    # What the alarm says of the place is what is kept of it: a tick wide, and the truth is within.
+    told, kept = answer.result["alarm"]["parameters"], shop.kept()
+    assert kept["motion"] is None
+    at_and_spans = zip(kept["position_steps"], kept["doubt"]["spans_steps"], strict=True)
+    bounds = [(at - below, at + above) for at, (below, above) in at_and_spans]
+    assert bounds == list(zip(told["low_steps"], told["high_steps"], strict=True))
+    assert all(
+        low <= at <= high <= low + 1
+        for (low, high), at in zip(bounds, shop.travelled_steps(), strict=True)
+    )
 
 
 def test_a_hung_step_process_is_killed_and_the_motors_switched_off(tmp_path: Path) -> None:

@@ -204,6 +204,7 @@ class Session:
         raise PortError(
             f"{sentence} It was at steps {bounds.in_words()}.",
             alarms.STEP_PROCESS_DIED,
+            at_steps=bounds.at_steps,
             low_steps=bounds.low_steps,
             high_steps=bounds.high_steps,
         )
