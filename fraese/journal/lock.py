@@ -27,6 +27,7 @@ _MOST_CHARACTERS: Final = 200
 _LOOK_S: Final = 0.02
 #: Where processes can be looked at.
 _OWN: Final = Path("/proc/self/stat")
+_ENDED: Final = (b"Z", b"X")
 #: A step process whose program was killed has braked and left within this.
 _LEAVES_S: Final = 3.0
 
@@ -51,8 +52,11 @@ class Holder:
         return self.pid > 0 and _started(self.pid) == self.started != ""
 
     def in_words(self) -> str:
-        """For people."""
-        return f"{self.command} (process {self.pid})" if self.pid else "another program"
+        """For people; a step process may hold it longer than its program lived."""
+        if not self.pid:
+            return "another program"
+        left = "" if self.lives else "what is left of "
+        return f"{left}{self.command} (process {self.pid})"
 
 
 class MachineLock:
@@ -111,10 +115,8 @@ class MachineLock:
         while not _locked(fd):
             holder = _holder(fd)
             if holder.lives or time.monotonic() >= until_s:
-                still = "" if holder.lives else "what is left of "
                 raise BusyError(
-                    f"The machine is driven by {still}{holder.in_words()} already; nothing has"
-                    " moved."
+                    f"The machine is driven by {holder.in_words()} already; nothing has moved."
                 )
             time.sleep(_LOOK_S)
 
@@ -158,10 +160,12 @@ def _holder(fd: int) -> Holder:
 
 
 def _started(pid: int) -> str:
-    """When a process was started, in the system's ticks; empty: there is none."""
+    """When a process was started, in the system's ticks; empty: there is none, or it has ended."""
     if not _OWN.exists():
         return "?"
     with contextlib.suppress(OSError, IndexError):
         # Behind the name, which may hold anything, in brackets.
-        return Path(f"/proc/{pid}/stat").read_bytes().rpartition(b")")[2].split()[19].decode()
+        facts = Path(f"/proc/{pid}/stat").read_bytes().rpartition(b")")[2].split()
+        # A dead process has a number until its parent has heard of it.
+        return "" if facts[0] in _ENDED else facts[19].decode()
     return ""

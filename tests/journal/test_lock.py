@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from fraese.errors import BusyError, ConfigError
-from fraese.journal import MachineLock
+from fraese.journal import Holder, MachineLock
 
 _HOLD = """
 import sys, time
@@ -129,3 +129,17 @@ def test_nothing_else_is_opened_in_its_place(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="remove it"):
         MachineLock(path).take("fraese")
     assert victim.read_bytes() == b"mine"
+
+
+_SAYS_WHEN = "import os; from fraese.journal.lock import _started; print(_started(os.getpid()))"
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="there is no such list")
+def test_a_dead_program_of_which_its_parent_has_not_heard_does_not_live() -> None:
+    command = [sys.executable, "-c", _SAYS_WHEN]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        started = process.stdout.read().strip()
+        os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
+        assert started.isdigit()
+        assert not Holder("fraese", process.pid, started).lives
