@@ -165,6 +165,7 @@ class Position:
             down, up = sorted((axis.motor_sign * (low - at), axis.motor_sign * (high - at)))
             # Where the motor turned round since is not known, so the carriage lags by all or none.
             spans.append((below - down + slack, above + up + axis.backlash_steps - slack))
+        # Nobody may take it as it was left: a motor that lost its current at speed turned on.
         self.doubt = Doubt(why, tuple(spans))
 
     def bounds_steps(self) -> list[tuple[int, int]]:

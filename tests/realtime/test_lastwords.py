@@ -75,6 +75,11 @@ def killed_host(folder: Path, way: str = "") -> tuple[list[str], Spectator, Last
     return said, spectator, lastwords.read(path)
 
 
+def poll_for_ever(driver: RealtimeDriver) -> None:
+    while True:
+        driver.poll(0.01)
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="the step process needs Linux")
 class TestKilledHost:
     def test_its_step_process_leaves_where_the_carriages_are(self, tmp_path: Path) -> None:
@@ -104,8 +109,7 @@ class TestKilledHost:
             pass
         os.kill(driver.pid, signal.SIGTERM)
         with pytest.raises(PortError, match="was told to end"):
-            while True:
-                driver.poll(0.01)
+            poll_for_ever(driver)
         left = lastwords.read(path)
         assert left is not None
         assert (left.position_steps, left.torn) == ((200, 0, 0), frozenset())
