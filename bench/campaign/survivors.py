@@ -7,7 +7,9 @@ A place that is not known to the step counts as unaccounted for.
 """
 
 import json
+import os
 import time
+from collections.abc import Sequence
 from typing import Final
 
 from bench.campaign.frame import Attempt, Kind, Outcome
@@ -17,11 +19,14 @@ from tests.bridge.device import reason_to_skip
 from tests.bridge.dying import killed_on_errands, left
 from tests.bridge.firmwaremill import FirmwareBench
 from tests.bridge.stack import PATIENCE_S, Stack, until_moving
+from tests.rigs.lpt.terminal import Terminal
 
 #: The next host comes so long after: before the bridge has noticed, while it brakes, or later.
 _NEXT_S: Final = (0.0, 0.1, 0.5, 0.6, 1.0)
 #: A command is killed within this time after it has begun to move.
 _WITHIN_S: Final = 1.5
+#: A jog in the app is over sooner.
+_JOG_WITHIN_S: Final = 0.3
 _LONG: Final = "G21 G90\n" + "".join(
     f"G1 X{n % 5} Y{n % 3} Z-{n % 2} F{300 + n % 7 * 50}\n" for n in range(400)
 )
@@ -57,12 +62,35 @@ def command_killed(attempt: Attempt) -> Outcome:
         finally:
             command.kill()
             command.communicate(timeout=PATIENCE_S)
-        time.sleep(attempt.random.choice(_NEXT_S))
-        since_s = time.monotonic()
-        answer = stack.run("move", "X0", "--relative", "--json")
-        took_s = time.monotonic() - since_s
-        made = [b - a for a, b in zip(before, stack.mill.carriages_steps(), strict=True)]
+        return _asked(stack, before, attempt)
+
+
+def app_killed(attempt: Attempt) -> Outcome:
+    """SIGKILL to the app in a jog; the next command says where it is."""
+    stack = Stack(attempt.folder)
+    with stack.mill:
+        before = stack.mill.carriages_steps()
+        app = Terminal(stack.words(), attempt.folder, {**os.environ, "TERM": "xterm-256color"})
+        try:
+            app.wait_for("palette")
+            app.press("4", "right", "right", "right")
+            until_moving(stack, 5)
+            time.sleep(attempt.random.uniform(0, _JOG_WITHIN_S))
+            app.process.kill()
+            app.wait_for_end()
+        finally:
+            app.close()
+        return _asked(stack, before, attempt)
+
+
+def _asked(stack: Stack, before: Sequence[float], attempt: Attempt) -> Outcome:
+    """What the next command says, against what the carriages did."""
+    time.sleep(attempt.random.choice(_NEXT_S))
+    since_s = time.monotonic()
+    answer = stack.run("move", "X0", "--relative", "--json")
+    took_s = time.monotonic() - since_s
     assert answer.returncode == 0, answer.stderr
+    made = [b - a for a, b in zip(before, stack.mill.carriages_steps(), strict=True)]
     claimed = [*json.loads(answer.stdout)["position_steps"].values()]
     off = round(sum(abs(a - b) for a, b in zip(claimed, made, strict=True)))
     known = KNOWN in answer.stderr
@@ -74,4 +102,6 @@ KINDS: Final = (
          missing=reason_to_skip),
     Kind("SIGKILL to a command, the next one asks its bridge", "s of the next command",
          command_killed, many=100, missing=reason_to_skip),
+    Kind("SIGKILL to the app, the next command asks its bridge", "s of the next command",
+         app_killed, many=100, missing=reason_to_skip),
 )  # fmt: skip

@@ -47,10 +47,14 @@ class Stack:
     def config(self) -> Config:
         return load(self._config)
 
-    def start(self, *words: str) -> "subprocess.Popen[str]":
+    def words(self, *words: str) -> list[str]:
+        """A command of this machine; without any, the app."""
         place = ["--config", str(self._config), "--state", str(self._folder / "state")]
+        return [sys.executable, "-m", "fraese", *words, *place]
+
+    def start(self, *words: str) -> "subprocess.Popen[str]":
         return subprocess.Popen(
-            [sys.executable, "-m", "fraese", *words, *place],
+            self.words(*words),
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
