@@ -1,9 +1,15 @@
 """The frame of the campaign: what is counted, and that an attempt can be made again."""
 
+import json
 from collections import Counter
+from typing import Any
 
+import pytest
+
+from bench.campaign.claims import Claim, claim_of
 from bench.campaign.frame import Attempt, Kind, Outcome, campaign
 from bench.campaign.kinds import KINDS
+from tests.rigs.lpt.shop import Answer
 
 
 def kind(attempt: object) -> Kind:
@@ -51,3 +57,30 @@ def test_a_row_says_kind_tries_unaccounted_median_and_worst() -> None:
 
 def test_every_kind_has_a_name_of_its_own() -> None:
     assert max(Counter(kind.name for kind in KINDS).values()) == 1
+
+
+def said(doubt: dict[str, Any] | None) -> Claim:
+    result = {"position_steps": {"x": 5, "y": -7}, "doubt": doubt}
+    return claim_of(Answer(0, json.dumps(result), ""))
+
+
+def test_a_place_without_doubt_is_claimed_to_the_step() -> None:
+    claim = said(None)
+    assert claim.is_to_the_step
+    assert claim.width_steps == 0
+    assert claim.beyond_steps((5, -7)) == 0
+    assert claim.beyond_steps((6, -9)) == 3
+
+
+def test_between_bounds_is_right_if_the_truth_lies_within() -> None:
+    bounds = {"low_steps": {"x": 4, "y": -7}, "high_steps": {"x": 5, "y": 493}}
+    claim = said({"why": "it ended", **bounds})
+    assert not claim.is_to_the_step
+    assert [claim.beyond_steps(true) for true in ((4, -7), (5, 493), (3, 495))] == [0, 0, 3]
+    # The widest axis: at 2000 steps a second a quarter of a second.
+    assert claim.width_s(2000) == pytest.approx(0.25)
+
+
+def test_who_knows_nothing_claims_nothing() -> None:
+    claim = said({"why": "damaged", "low_steps": None, "high_steps": None})
+    assert (claim.low_steps, claim.is_to_the_step, claim.beyond_steps((9, 9))) == (None, False, 0)

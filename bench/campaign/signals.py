@@ -1,8 +1,9 @@
 """Signals to command, app and step process, on the fake port; truth is the port's carriages.
 
 After each: the motors are off within ``LIMIT_S``, no process is left, and where the next program
-claims to stand is where the carriages are. Measured is how long after the signal the last byte that
-switches the motors off was written.
+claims to stand is where the carriages are: to the step, where the step process had the last word,
+within the bounds that are told where it died itself. Measured is how long after the signal the last
+byte that switches the motors off was written.
 """
 
 import os
@@ -54,15 +55,21 @@ def hit(pid: int, number: signal.Signals, chance: random.Random) -> int:
     return at_ns
 
 
-def judged(shop: Shop, since_ns: int) -> Outcome:
-    """All is over: off, in time, and where it says."""
+def judged(shop: Shop, since_ns: int, *, to_the_step: bool) -> Outcome:
+    """All is over: off, in time, and where it says.
+
+    Args:
+        shop: the machine.
+        since_ns: when it was hit.
+        to_the_step: a place is to be claimed; else bounds will do.
+    """
     after = [event for event in shop.fake.events() if event.at_ns > since_ns]
     check_motors_off(shop.fake.writes())
     last_ns = max((event.at_ns for event in after if event.what == "W"), default=since_ns)
     took_ms = (last_ns - since_ns) * 1e-6
     assert took_ms < LIMIT_S * 1e3, f"the motors were off only after {took_ms:.0f} ms"
     claim, truth_steps = claimed(shop), shop.travelled_steps()
-    beyond = claim.beyond_steps(truth_steps)
+    beyond = claim.beyond_steps(truth_steps) + (to_the_step and not claim.is_to_the_step)
     return Outcome(beyond, took_ms, f"claimed {claim}, true {truth_steps}" if beyond else "")
 
 
@@ -83,7 +90,7 @@ def to_command(number: signal.Signals, attempt: Attempt) -> Outcome:
         at_ns = hit(command.pid, number, attempt.random)
         _finish(command)
         _gone(shop, child)
-    return judged(shop, at_ns)
+    return judged(shop, at_ns, to_the_step=True)
 
 
 def to_steps(number: signal.Signals, attempt: Attempt) -> Outcome:
@@ -95,7 +102,7 @@ def to_steps(number: signal.Signals, attempt: Attempt) -> Outcome:
         at_ns = hit(child, number, attempt.random) if number != signal.SIGSTOP else _hang(child)
         _finish(command)
         _gone(shop, child)
-    return judged(shop, at_ns)
+    return judged(shop, at_ns, to_the_step=False)
 
 
 def _hang(pid: int) -> int:
@@ -119,7 +126,7 @@ def to_app(number: signal.Signals, attempt: Attempt) -> Outcome:
         _gone(shop, child)
     finally:
         terminal.close()
-    return judged(shop, at_ns)
+    return judged(shop, at_ns, to_the_step=True)
 
 
 def _finish(command: "subprocess.Popen[str]") -> None:

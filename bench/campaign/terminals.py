@@ -108,7 +108,7 @@ def on_metal(by_app: bool, number: signal.Signals | None, attempt: Attempt) -> O
     brakes_ms = braking_begun_ms(shop.fake.events(), at_ns)
     assert brakes_ms < BRAKES_MS, f"braked only after {brakes_ms:.0f} ms"
     claim, truth_steps = claimed(shop), shop.travelled_steps()
-    beyond = claim.beyond_steps(truth_steps) + (claim.low_steps is None)
+    beyond = claim.beyond_steps(truth_steps) + (not claim.is_to_the_step)
     return Outcome(beyond, brakes_ms, f"claimed {claim}, true {truth_steps}" if beyond else "")
 
 
