@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from fraese.assembly.meaning import fits_old, still_meant
+from fraese.assembly.meaning import fits_old, meaning, still_meant
 from fraese.assembly.survivors import KNOWN, known
 from fraese.config import Config
 from fraese.control.savedstate import SavedState, state_in
@@ -97,6 +97,9 @@ class Keeping:
 
     def _of_survivor(self, record: SavedState, *, to_write: bool) -> SavedState | None:
         """See ``known``; who drives can ask but once, so the answer is written down."""
+        # Counts of axes that were configured otherwise are other places here.
+        if record.axes != meaning(self._config, self._machine):
+            return None
         kept = known(record, self._config, self._machine, self.path, to_drive=to_write)
         if kept is not None and to_write:
             # Where no record can be written nothing will move.

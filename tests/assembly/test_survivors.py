@@ -124,6 +124,18 @@ def test_a_damaged_journal_is_not_mended_by_words(tmp_path: Path) -> None:
     assert state.doubt == KeptDoubt(why=DAMAGED)
 
 
+def test_under_another_configuration_nothing_is_made_of_words(tmp_path: Path) -> None:
+    """Their counts mean something else there; configured as before they mean the same as before."""
+    left(tmp_path, RECORD, WORDS)
+    other = configured(port={"kind": "ppdev"}, axes={"x": {"inverted": True}})
+    state, notes = Keeping(tmp_path, other, Machine.from_config(other)).load(to_write=True)
+    assert state is None
+    assert KNOWN not in notes
+    state, notes = Keeping(tmp_path, CONFIG, MACHINE).load(to_write=True)
+    assert state is not None
+    assert (state.position_steps, notes) == (PLACE, [KNOWN])
+
+
 @pytest.mark.parametrize("what", ["a link", "no file", "a folder"])
 def test_what_is_no_file_there_is_refused(tmp_path: Path, what: str) -> None:
     path = tmp_path / "ppdev-parport0.words"
