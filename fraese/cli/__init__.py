@@ -14,9 +14,9 @@ from fraese.cli.departure import Closing, Departure, in_background, left_at_once
 from fraese.cli.output import note, open_standard_files
 from fraese.cli.session import AfterMotion
 from fraese.cli.shared import ConfigOption, Drive, FreshOption, StateOption, TraceOption, leave
+from fraese.control.asleft import left_by_crash
 from fraese.errors import FraeseError, UsageError
-from fraese.program import open_program
-from fraese.program.interrupted import cut_short
+from fraese.program import Resumption, open_program
 from fraese.program.kept import KeptPrograms
 
 if TYPE_CHECKING:
@@ -77,16 +77,19 @@ def start(
 def _make_app(
     plant: Plant,
     program: Path | None,
-    kept: KeptPrograms | None = None,
+    kept: KeptPrograms,
     leaving: Callable[[int], object] | None = None,
 ) -> "FraeseApp":
     # Textual takes a quarter of a second to import; headless commands do not pay for it.
     from fraese.ui.app import FraeseApp
 
+    # What a crash has left is offered by the app itself.
+    left = left_by_crash(plant.controller)
     return FraeseApp(
         plant.controller,
         open_program=partial(open_program, apart=True, kept=kept),
-        notes=(*plant.notes, *cut_short(plant.controller.keep().job)),
+        resume=partial(Resumption.of, kept=kept, apart=True),
+        notes=[text for text in plant.notes if left is None or text != left.sentence],
         program=program,
         machine_name=plant.machine_name,
         hand=plant.press if plant.is_simulated else None,

@@ -25,25 +25,34 @@ class Left:
     """What a crash has left.
 
     Attributes:
-        sentence: what is known.
-        may_be_taken: as it was left.
+        sentence: what is known, and what to do.
+        known: what is known.
+        nearness: what "as it was left" rests on; empty: it may not be taken so.
     """
 
     sentence: str
-    may_be_taken: bool
+    known: str
+    nearness: str
+
+    @property
+    def may_be_taken(self) -> bool:
+        """The position may be taken as it was left."""
+        return bool(self.nearness)
 
 
 def left_by_crash(controller: Controller) -> Left | None:
     """What the crash before this start has left; None: there was none, or it is settled."""
     where = controller.position
+    pushed = f"If an axis was pushed by {_reach(where)} or more, reference it."
     if where.doubt is not None:
-        return Left(where.doubt_in_words(), where.finds_back)
+        nearness = f"The motors find back to where they were. {pushed}" if where.finds_back else ""
+        return Left(where.doubt_in_words(), f"{where.doubted()}.", nearness)
     if where.was_abandoned:
-        return Left(
+        known = (
             "The program before was not closed, and the machine stood: the position is as it was"
-            f" left. If an axis was pushed by {_reach(where)} or more, reference it.",
-            True,
+            " left."
         )
+        return Left(f"{known} {pushed}", known, pushed)
     return None
 
 

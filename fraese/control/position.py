@@ -179,7 +179,14 @@ class Position:
         ]
 
     def doubt_in_words(self) -> str:
-        """What is not known of the position, a sentence; empty if nothing."""
+        """What is not known of the position, and what to do, a sentence; empty if nothing."""
+        if self.doubt is None:
+            return ""
+        also = ", or take it as it was left (fraese trust)" if self.finds_back else ""
+        return f"{self.doubted()}; reference it again{also}."
+
+    def doubted(self) -> str:
+        """What is not known of the position, a sentence without its end; empty if nothing."""
         if self.doubt is None:
             return ""
         between = [
@@ -190,8 +197,7 @@ class Position:
             if not is_sure
         ]
         where = f", between {', '.join(between)} (machine)" if between else ""
-        also = ", or take it as it was left (fraese trust)" if self.finds_back else ""
-        return f"The position is not trusted: {self.doubt.why}{where}; reference it again{also}."
+        return f"The position is not trusted: {self.doubt.why}{where}"
 
     @property
     def finds_back(self) -> bool:

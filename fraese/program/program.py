@@ -137,6 +137,7 @@ class Program:
         from_line: int = 0,
         past: Interrupted | None = None,
         back: int = 0,
+        lines: int = 0,
     ) -> None:
         """Give it to the controller; its ``run`` works it off.
 
@@ -146,6 +147,7 @@ class Program:
             from_line: begin there; what lies before is only read.
             past: go on with this instead.
             back: begin so many moves before the one at which that was left.
+            lines: how many it has, where there are no facts.
 
         Raises:
             StateError: if the machine is not ready, may not run unreferenced, or is not the one on
@@ -182,7 +184,7 @@ class Program:
         controller.start(
             self.name,
             job(),
-            lines=facts.lines if facts else 0,
+            lines=facts.lines if facts else lines,
             expected_s=facts.duration_s if facts else 0.0,
             detour=Retract(controller.position, retract_mm)
             if (retract_mm := context.retract_mm())

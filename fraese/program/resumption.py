@@ -9,7 +9,7 @@ Rule 1: command line and app go on in this one way.
 Rule 2: nothing starts on a machine that stands otherwise than when the way was made.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from fraese.control.controller import Controller
 from fraese.errors import StateError
@@ -33,13 +33,14 @@ class Resumption:
         line: where it was cut short.
         moves: so many moves lie before that.
         program: as given.
+        path: where it was.
     """
 
     def __init__(self, left: Interrupted, program: Program, context: ProgramContext) -> None:
         self.name = left.name
         self.line = left.line
         self.moves = max(left.move - 1, 0)
-        self.program = program
+        self.program, self.path = program, program.path
         self._left = left
         self._context = context
 
@@ -53,7 +54,8 @@ class Resumption:
             apart: see ``Program``.
 
         Raises:
-            StateError: there is none, or nobody knows its place on the machine any more.
+            StateError: there is none, nobody knows its place on the machine any more, or the
+                machine is not ready.
             ProgramError: what was kept of it is damaged, or its copy is gone.
         """
         left = Interrupted.of(controller.keep().job)
@@ -62,12 +64,8 @@ class Resumption:
         left.require_same_machine(context)
         if controller.position.doubt is not None:
             raise StateError(f"{controller.position.doubt_in_words()[:-1]}; nothing has moved.")
+        controller.check_moves([])
         return cls(left, Program(taken, apart=apart, kept=kept), context)
-
-    @property
-    def lines(self) -> Sequence[str]:
-        """The text of the program."""
-        return self.program.lines
 
     def news(self) -> tuple[str, ...]:
         """What a person should know who goes on with it, sentences."""
@@ -76,7 +74,7 @@ class Resumption:
         return (*self._left.news(self._context), *(as_started if changed else ()))
 
     def way(self, back: int = 0, given_up: Callable[[], bool] = lambda: False) -> Way:
-        """The way to the place, or to one some moves before it; from any thread.
+        """The way to the place, or to one some moves before it; from any thread, may take long.
 
         Raises:
             ProgramError: if a line before it is refused.
@@ -101,4 +99,5 @@ class Resumption:
                 f"The machine has changed since it was shown how to go on with {self.name}: ask"
                 " again; nothing has moved."
             )
-        self.program.start(controller, past=self._left, back=back)
+        lines = len(self.program.lines)
+        self.program.start(controller, past=self._left, back=back, lines=lines)

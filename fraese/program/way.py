@@ -6,6 +6,7 @@ Rule 2: reading may take long, and gives turns: whoever waits can give it up at 
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from fraese.control.state import WorkFacts
 from fraese.errors import Cancelled
@@ -16,6 +17,20 @@ from fraese.program.source import ProgramSource
 from fraese.program.translate import Numbers
 
 
+class Leg(NamedTuple):
+    """One thing that is done on the way.
+
+    Attributes:
+        words: what it is; of a move with the place in machine coordinates.
+        work: the same place in work coordinates; empty: they are no others.
+        is_move: the machine moves.
+    """
+
+    words: str
+    work: str = ""
+    is_move: bool = False
+
+
 @dataclass(frozen=True, slots=True)
 class Way:
     """The way to a place in a program.
@@ -23,20 +38,20 @@ class Way:
     Attributes:
         line: of the move that comes first,
         text: and what stands there.
-        legs: what is done on the way: tools, outputs, moves, a line each.
+        legs: what is done on the way: tools, outputs, moves.
         height: at which it goes over, with its axis; empty: nothing lifts the tool.
         in_force: what is in force at the place.
     """
 
     line: int
     text: str
-    legs: tuple[str, ...]
+    legs: tuple[Leg, ...]
     height: str
     in_force: str
 
     def lines(self, name: str) -> list[str]:
         """All of it, for a program of this name."""
-        legs = [f"  {leg}" for leg in self.legs]
+        legs = [f"  {', '.join(filter(None, leg[:2]))}" for leg in self.legs]
         return [
             f"{name} from line {self.line}:",
             *legs,
@@ -56,7 +71,7 @@ def way_of(begun: Beginning, given_up: Callable[[], bool] = lambda: False) -> Wa
         Cancelled: if it was given up.
     """
     source, numbers, now = begun.source, Numbers(), begun.now
-    legs: list[str] = []
+    legs: list[Leg] = []
     here, line, goes_down = now.start_mm, 1, False
     for move in begun.moves(numbers):
         line = move.line
@@ -80,14 +95,19 @@ def way_of(begun: Beginning, given_up: Callable[[], bool] = lambda: False) -> Wa
     return Way(line, source.text, tuple(legs), _height(begun), _in_force(source))
 
 
-def _leg(move: canon.Move, here: Millimetres, source: ProgramSource, machine: Machine) -> str:
+def _leg(move: canon.Move, here: Millimetres, source: ProgramSource, machine: Machine) -> Leg:
     """A move on that way; its feed counts along mm or degrees."""
     if isinstance(move, canon.Rapid | canon.Feed):
         unit = "°" if source.axes.way(here, move.to).is_angle else "mm"
         how = f"feed {move.feed_mm_min:g} {unit}/min" if isinstance(move, canon.Feed) else "rapid"
         place, work = machine.in_words(move.to), machine.in_words(source.frame.to_work(move.to))
-        also = f", {work} (work)" if work != place else ""
-        return f"{how} to {place} (machine){also}"
+        also = f"{work} (work)" if work != place else ""
+        return Leg(f"{how} to {place} (machine)", also, is_move=True)
+    return Leg(_switched(move))
+
+
+def _switched(move: canon.Move) -> str:
+    """What moves nothing."""
     if isinstance(move, canon.Spindle):
         return f"spindle {'on' if move.direction else 'off'}, {move.rev_min:g} rev/min"
     if isinstance(move, canon.Coolant):
@@ -99,11 +119,12 @@ def _leg(move: canon.Move, here: Millimetres, source: ProgramSource, machine: Ma
     return type(move).__name__.lower()
 
 
-def _run_up(begun: Beginning, move: canon.Spindle) -> list[str]:
+def _run_up(begun: Beginning, move: canon.Spindle) -> list[Leg]:
     """How long it is waited for."""
     config = begun.now.config
     waits = move.direction and config.outputs.mask("spindle") and not begun.now.has_laser
-    return [f"wait {config.run.spin_up_s:g} s for it"] if waits and config.run.spin_up_s else []
+    spin_up_s = config.run.spin_up_s
+    return [Leg(f"wait {spin_up_s:g} s for it")] if waits and spin_up_s else []
 
 
 def _height(begun: Beginning) -> str:

@@ -37,7 +37,7 @@ from fraese.ui.dialogs.switches import Hand
 from fraese.ui.keys import PALETTE, STOP_KEYS, Area, KeyTable
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.messages import Alarmed, Noted, Refused
-from fraese.ui.programs import OpenProgram, ProgramDesk
+from fraese.ui.programs import OpenProgram, ProgramDesk, Resume, nothing_is_kept
 from fraese.ui.stopkey import EarlyStop, Heard
 from fraese.ui.themes import DARK, LIGHT
 from fraese.ui.views import VIEWS
@@ -64,6 +64,7 @@ class FraeseApp(App[None]):
     Args:
         controller: owned by the app's worker thread until the app has ended, and closed then.
         open_program: reads a program file; called in a thread of its own.
+        resume: how the program that was cut short is gone on with; called in the machine's thread.
         notes: sentences to show at the start.
         program: file to open at the start.
         machine_name: which machine is driven, such as "simulated mill"; shown in the title.
@@ -85,6 +86,7 @@ class FraeseApp(App[None]):
         controller: Controller,
         *,
         open_program: OpenProgram,
+        resume: Resume = nothing_is_kept,
         notes: Sequence[str] = (),
         program: Path | None = None,
         machine_name: str = "",
@@ -111,7 +113,7 @@ class FraeseApp(App[None]):
         self._draw_planned = False
         self._answer_is_new = False
         bind(self, self._keys.of(Area.EVERYWHERE))
-        self._programs = ProgramDesk(open_program, program)
+        self._programs = ProgramDesk(open_program, program, resume)
         desk = Desk(self.link, self._keys, self._repeats, self._programs, machine_name, hand)
         self._views = {name: view(desk) for name, view in views.items()}
         for name in views:

@@ -31,6 +31,8 @@ class Area(Enum):
     GO_TO = "go to"
     REFERENCE = "reference"
     OPEN = "open a program"
+    RESUME = "go on with a program"
+    CRASH = "after a crash"
     ASK = "the job asks"
     SWITCHES = "switch test"
     HELP = "help"
@@ -185,6 +187,17 @@ _OVERRIDES: Final = (
         "The next smaller step width; also -.", "Jog",
     ),
 )  # fmt: skip
+_AFTERWARDS: Final = (
+    Row(
+        Area.MACHINE, "u", "u", "resume", "Resume program …",
+        "Go on with the program that was cut short by a stop, an alarm or a crash, or some moves"
+        " earlier; what it will do is shown first.", "Program",
+    ),
+    Row(
+        Area.MACHINE, "k", "k", "after_crash", "After a crash …",
+        "What is known of the position; take it as it was left, or reference again.", "Position",
+    ),
+)  # fmt: skip
 _SCROLLING: Final = (
     Row(
         Area.MACHINE, "ctrl+up", "^↑", "scroll_path(-1)", "Path up",
@@ -216,6 +229,17 @@ _BEFORE_AXES: Final = (
     Row(Area.OPEN, "", "Enter", "accept", hint="open"),
     Row(Area.OPEN, "", "Tab", "", hint="to the files"),
     _back(Area.OPEN),
+    Row(Area.RESUME, "enter", "Enter", "accept", hint="go on", priority=True),
+    Row(Area.RESUME, "up", "↑", "earlier(1)", hint="a move earlier, later"),
+    Row(Area.RESUME, "down", "↓", "earlier(-1)", hint="a move earlier, later"),
+    Row(Area.RESUME, "left", "←", "earlier(10)", hint="ten"),
+    Row(Area.RESUME, "right", "→", "earlier(-10)", hint="ten"),
+    Row(Area.RESUME, "pageup", "PgUp", "scroll(-1)", hint="scroll"),
+    Row(Area.RESUME, "pagedown", "PgDn", "scroll(1)", hint="scroll"),
+    _back(Area.RESUME),
+    Row(Area.CRASH, "enter", "Enter", "accept", hint="reference again", priority=True),
+    Row(Area.CRASH, "l", "l", "as_left", hint="as it was left"),
+    _back(Area.CRASH, "decide later"),
     Row(Area.ASK, "enter,space", "Enter", "accept", hint="go on", priority=True),
     _back(Area.ASK, "stop the job"),
     Row(Area.SWITCHES, "p", "p", "press", hint="press, let go (simulated)"),
@@ -230,7 +254,7 @@ _AFTER_AXES: Final = (
     Row(Area.REFERENCE, "m", "m", "tick('measure')", hint="choose"),
     _back(Area.REFERENCE),
 )
-_FIXED: Final = (*_STOP, _QUIT, *_GOING, *_REST, *_OVERRIDES, *_SCROLLING)
+_FIXED: Final = (*_STOP, _QUIT, *_GOING, *_REST, *_AFTERWARDS, *_OVERRIDES, *_SCROLLING)
 GROUPS: Final = ("Stop", "Jog", "Position", "Program", "Display", "Machine")
 STOP_KEYS: Final = frozenset(
     key for row in _FIXED if row.action == "app.stop_machine" for key in row.keys.split(",")
@@ -333,7 +357,7 @@ class KeyTable:
         )
         # The widths have a line of their own, the path is in another picture.
         steps = (_set_width(number, width) for number, width in enumerate(widths(shape), start=1))
-        self.commands = (*self.listed, *_OVERRIDES, *steps, *_SCROLLING)
+        self.commands = (*self.listed, *_AFTERWARDS, *_OVERRIDES, *steps, *_SCROLLING)
         boxes = (_choose(axis) for axis in shape.axes)
         self.rows = (*self.commands, *_BEFORE_AXES, *boxes, *_AFTER_AXES)
         self._step_word = shape.step_word

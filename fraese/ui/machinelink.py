@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from textual.message import Message
 
+from fraese.control.asleft import Left, left_by_crash, take_as_left
 from fraese.control.controller import Controller
 from fraese.control.state import OVERRIDES, MachineState, Status, three_decimals
 from fraese.control.worker import Command, Worker
@@ -32,6 +33,7 @@ class MachineLink:
 
     Attributes:
         shape: what the machine has.
+        left_at_start: what a crash before this start has left; None: there was none.
     """
 
     def __init__(
@@ -45,6 +47,7 @@ class MachineLink:
         self._feed = StateFeed(lambda: post(StateChanged()))
         self._jogger = Jogger(controller, self._worker)
         self.shape = shape_of(controller)
+        self.left_at_start = left_by_crash(controller)
         controller.set_display(self._full_display)
         controller.set_show_pos(self.offer)
 
@@ -197,6 +200,19 @@ class MachineLink:
         return " ".join(
             axis.with_unit(number) for (axis, _), number in zip(chosen, numbers, strict=True)
         )
+
+    def ask_what_was_left(self, tell: Callable[[Left | None], object]) -> bool:
+        """What a crash has left and is not settled yet; told in the machine's thread."""
+        return self.order(lambda: tell(left_by_crash(self._controller)))
+
+    def take_as_left(self) -> bool:
+        """The position is as a crash left it."""
+
+        def take() -> None:
+            take_as_left(self._controller)
+            self._post(Noted("The position is as it was left."))
+
+        return self.order(take)
 
     def ignore_switches(self, ignore: bool) -> bool:
         """Contacts stop the motors, or do not."""

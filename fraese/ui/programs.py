@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from fraese.control.controller import Controller
-from fraese.errors import FraeseError, ProgramError
+from fraese.errors import FraeseError, ProgramError, StateError
 
 
 class Facts(Protocol):
@@ -81,6 +81,75 @@ class Program(Protocol):
 OpenProgram = Callable[[Path], Program]
 
 
+class Way(Protocol):
+    """The way to a place in a program."""
+
+    @property
+    def line(self) -> int:
+        """Where it goes on."""
+
+    @property
+    def text(self) -> str:
+        """What stands there."""
+
+    @property
+    def legs(self) -> Sequence[tuple[str, str, bool]]:
+        """What is done on the way; the same in work coordinates, if they are others; it moves."""
+
+    @property
+    def height(self) -> str:
+        """At which it goes over; empty: nothing lifts the tool."""
+
+    @property
+    def in_force(self) -> str:
+        """What is in force at the place."""
+
+
+class Resumption(Protocol):
+    """How a program that was cut short would be gone on with."""
+
+    @property
+    def name(self) -> str:
+        """Of the program."""
+
+    @property
+    def path(self) -> Path:
+        """Where it was."""
+
+    @property
+    def program(self) -> Program:
+        """As it was when it was started."""
+
+    @property
+    def moves(self) -> int:
+        """So many moves lie before the place."""
+
+    def news(self) -> Sequence[str]:
+        """What a person should know, sentences."""
+
+    def way(self, back: int, given_up: Callable[[], bool]) -> Way:
+        """The way to so many moves before the place; may take long, in a thread of its own.
+
+        Raises:
+            FraeseError: if there is none, or it was given up.
+        """
+
+    def start(self, controller: Controller, back: int) -> None:
+        """Hand it to the controller; in the machine's thread.
+
+        Raises:
+            FraeseError: if it is refused.
+        """
+
+
+Resume = Callable[[Controller], Resumption]
+
+
+def nothing_is_kept(_controller: Controller) -> Resumption:
+    """Of an app that keeps no programs."""
+    raise StateError("No copies of programs are kept here: there is nothing to go on with.")
+
+
 def in_words(facts: Facts) -> str:
     """Length and duration of a program."""
     minutes, seconds = divmod(round(facts.duration_s), 60)
@@ -106,15 +175,18 @@ class ProgramDesk:
     Args:
         open_program: reads a file; may take long.
         path: what is offered to be opened first.
+        resume: how the program that was cut short is gone on with; refuses in the machine's thread.
 
     Attributes:
+        resume: likewise.
         path: of what was opened last.
         program: what is loaded.
         look: what goes on just now beside everything else.
     """
 
-    def __init__(self, open_program: OpenProgram, path: Path | None = None) -> None:
+    def __init__(self, open_program: OpenProgram, path: Path | None, resume: Resume) -> None:
         self._open_program = open_program
+        self.resume = resume
         self.path = path
         self.program: Program | None = None
         self.look: Look | None = None

@@ -193,7 +193,8 @@ def test_some_moves_back(tmp_path: Path) -> None:
     assert way.lines("part.ngc")[0] == f"part.ngc from line {left.line - 2}:"
     assert way.text == f"G1 X{5 * (left.line - 3)}"
     # Where the work zero lies elsewhere, the way is told in its numbers too.
-    assert way.legs[-1].endswith("mm (machine), X 5.000 Y -5.000 Z 20.000 mm (work)")
+    last = way.lines("part.ngc")[-2]
+    assert last.endswith("Z 0.000 mm (machine), X 5.000 Y -5.000 Z 20.000 mm (work)")
     seen = _played(made)
     assert _go_on(made, part, left, back=2) is Status.OK
     assert seen[0] == left.move - 2

@@ -188,13 +188,14 @@ async def bench(
     size: tuple[int, int] = (80, 24),
     clock: ClockName = "virtual",
     config: Config | None = None,
+    notifications: bool = False,
     **options: Any,
 ) -> AsyncIterator[Bench]:
     """The app in a terminal of this size. Where a second is a second, X is very long."""
     plant = assemble(config or (LONG if clock == "paced" else Config()), clock=clock)
     options.setdefault("open_program", open_nothing)
     app = FraeseApp(plant.controller, machine_name="simulated mill", **options)
-    async with app.run_test(size=size) as pilot:
+    async with app.run_test(size=size, notifications=notifications) as pilot:
         yield Bench(app, plant, pilot)
 
 

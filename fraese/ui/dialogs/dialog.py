@@ -54,12 +54,21 @@ class Dialog(LivePage[R]):
             yield Fact("", id="complaint")
             with Horizontal(classes="buttons"):
                 yield Button(self.YES, variant="primary", id="yes", compact=True)
+                yield from self.also()
                 yield Button("Back", id="back", compact=True)
-            yield Fact(self.keys.hint(self.AREA), classes="hint")
+            yield Fact(self.hints(), classes="hint")
 
     def inner(self) -> ComposeResult:
         """What is asked."""
         yield from ()
+
+    def also(self) -> ComposeResult:
+        """Other buttons."""
+        yield from ()
+
+    def hints(self) -> str:
+        """The line of keys."""
+        return self.keys.hint(self.AREA)
 
     def show(self, state: MachineState) -> None:
         """Most dialogs do not care how the machine stands."""

@@ -24,7 +24,8 @@ from fraese.ui.dialogs.switches import SwitchPage
 from fraese.ui.jogging import Jog
 from fraese.ui.keys import Area, said
 from fraese.ui.programs import Facts, Look, Program, in_words
-from fraese.ui.views.view import BUSY, Desk, View
+from fraese.ui.views.afterfaults import AfterFaults
+from fraese.ui.views.view import BUSY, Desk
 from fraese.ui.widgets.commands import CommandList
 from fraese.ui.widgets.path import PathView
 from fraese.ui.widgets.position import PositionPanel
@@ -36,7 +37,7 @@ PICTURES: Final = ("commands", "position", "path")
 _MANY_AXES: Final = 4
 
 
-class MachineView(View):
+class MachineView(AfterFaults):
     """Position, status, commands and path; jogs, goes, references, zeroes, runs programs."""
 
     AREA = Area.MACHINE
@@ -78,6 +79,7 @@ class MachineView(View):
         self._widths.show(self._width, 1)
         if self.desk.programs.path is not None:
             self._load(self.desk.programs.path)
+        self.offer_position()
 
     def on_resize(self) -> None:
         """Gauges and bars are as long as there is room."""
@@ -238,16 +240,20 @@ class MachineView(View):
             self.desk.programs.ended(look)
             self.refuse(BUSY)
             return
-        self.desk.programs.put(path, program)
-        self._told = ""
-        self._status.show_program(program.name)
-        self._path.load(program.lines)
-        self.show_picture("path")
+        self.put(path, program)
 
         def ask(controller: Controller) -> None:
             self.call_later(self._look, program, program.question(controller), look)
 
         self._order(look, ask)
+
+    def put(self, path: Path, program: Program) -> None:
+        """This one is loaded now, and shown."""
+        self.desk.programs.put(path, program)
+        self._told = ""
+        self._status.show_program(program.name)
+        self._path.load(program.lines)
+        self.show_picture("path")
 
     def _order(self, look: Look, order: Callable[[Controller], None]) -> None:
         taken = self.desk.link.order_of(order)

@@ -11,7 +11,7 @@ from typing import Final
 from textual.binding import ActiveBinding
 from textual.screen import Screen
 
-from fraese.control.state import MachineState, Status
+from fraese.control.state import CutShort, MachineState, Status
 from fraese.errors import FraeseError
 from fraese.ui.bindings import bind
 from fraese.ui.dialogs.switches import Hand
@@ -64,6 +64,8 @@ class View(Screen[None]):
         self.state = desk.link.state()
         self._stopping = False
         self._said = ("", "")
+        # Which program that was cut short was told of last.
+        self._told_of: CutShort | None = None
         bind(self, desk.keys.of(Area.VIEWS, self.AREA))
 
     @property
@@ -83,6 +85,20 @@ class View(Screen[None]):
         self.state, self._stopping = state, stopping
         if self.is_mounted:
             self.show(state, stopping)
+        self._tell_of(state.cut_short, state.message)
+
+    def _tell_of(self, cut: CutShort | None, message: str) -> None:
+        """A program can be gone on with: say so once. A message that is there is worth more."""
+        if cut == self._told_of:
+            return
+        self._told_of = cut
+        if cut is not None:
+            sentence = (
+                f"{cut.name} was cut short in line {cut.line}: {said('resume')} goes on with it."
+            )
+            self.notify(sentence, timeout=10, markup=False)
+            if not message:
+                self.say(sentence)
 
     def on_mount(self) -> None:
         """What came before there was anything to show it in."""
