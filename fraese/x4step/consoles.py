@@ -35,7 +35,8 @@ class TerminalConsole:
         line = self._keyboard.source.line_ahead()
         if not line.endswith("\n"):
             line += self._lines.readline()
-        return line or None
+        # ESC ends a motion; where none goes on it is no part of a command.
+        return line.replace(_ESC, "") or None
 
     def code(self) -> int | None:
         """Make code of the next key, if one waits."""

@@ -272,3 +272,22 @@ def test_after_an_alarm_the_next_command_jogs_away_from_it(tmp_path: Path) -> No
     assert away.returncode == 0, away.stderr
     assert json.loads(away.stdout)["steps"]["y"] == 200
     assert fraese(tmp_path, "jog", "x", 1).returncode == 0
+
+
+def test_an_interrupt_before_the_command_is_there_ends_it_without_a_traceback(
+    tmp_path: Path,
+) -> None:
+    """While Python still reads what the command line needs: the first of it interrupts."""
+    (tmp_path / "typer.py").write_text(
+        "import os, signal, time\nos.kill(os.getpid(), signal.SIGINT)\ntime.sleep(20)\n"
+    )
+    done = subprocess.run(
+        [*FRAESE, "where"],
+        capture_output=True,
+        text=True,
+        timeout=30,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": f"{tmp_path}:{Path(__file__).parents[2]}"},
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
