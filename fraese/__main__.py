@@ -1,7 +1,7 @@
 """``python -m fraese`` and the ``fraese`` command (SMCMAIN).
 
-Rule 1: what the command line needs is read after an interrupt is looked for: until it is there nothing
-        has been done, and a traceback would help nobody.
+Rule 1: interrupts are looked for before the command line is read: until it is there nothing has
+        been done, and a traceback would help nobody.
 """
 
 import os

@@ -1,5 +1,6 @@
 """The test program: its grammar, its limits, its sessions, and a person at a terminal."""
 
+import io
 import os
 import pty
 import re
@@ -18,7 +19,8 @@ from typer.testing import CliRunner
 from fraese.cli import app
 from fraese.x4step import X4Init, X4ReInit
 from fraese.x4step.bench import COMMANDS, HELP, Bench
-from fraese.x4step.consoles import ScriptConsole
+from fraese.x4step.consoles import ScriptConsole, TerminalConsole
+from fraese.x4step.keys import HandKeys, Keyboard
 from fraese.x4step.testing import BOOST_PIN, Lab, clock_pin, direction_pin, simulation
 from tests.cli.test_trace_option import Wave
 
@@ -398,3 +400,9 @@ def test_the_end_of_the_terminals_input_is_the_end() -> None:
     person.wait_for("1->")
     person.type(b"\x04")
     assert person.leave() == 0
+
+
+def test_escape_at_the_prompt_is_no_part_of_a_command() -> None:
+    lines = io.StringIO("\x1bS 100\n\x1b\n")
+    console = TerminalConsole(Keyboard(HandKeys()), lines, print, print)
+    assert [console.line("1->") for _ in range(3)] == ["S 100\n", "\n", None]
