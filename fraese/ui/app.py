@@ -170,7 +170,9 @@ class FraeseApp(App[None]):
         """First the machine, then the picture; from any thread, whatever the app's waits for."""
         self.link.brake()
         self._leaving(128 + number)
-        self._in_app(partial(self.exit, return_code=128 + number))
+        # In the app's turn, then in the view's: what Textual is still making it cannot end.
+        in_turn = next(iter(self._views.values())).call_later
+        self._in_app(partial(self.call_later, in_turn, self.exit, return_code=128 + number))
 
     def exit(
         self, result: None = None, return_code: int = 0, message: RenderableType | None = None

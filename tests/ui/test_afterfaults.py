@@ -1,5 +1,7 @@
 """What a fault has left, in the app: a program that was cut short, a position in doubt."""
 
+import asyncio
+import signal
 import threading
 from collections.abc import Callable
 from functools import partial
@@ -7,20 +9,24 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 
 from fraese.assembly import Plant, assemble
+from fraese.config import Config
 from fraese.control.controller import Controller
 from fraese.control.position import Doubt
 from fraese.errors import Cancelled
 from fraese.program import Resumption, open_program
 from fraese.program.kept import KeptPrograms
+from fraese.ui import FraeseApp
 from fraese.ui.dialogs.crash import CrashDialog
 from fraese.ui.dialogs.reference import ReferenceDialog
 from fraese.ui.dialogs.resume import ResumeDialog
+from fraese.ui.views.machine import MachineView
 from fraese.ui.widgets.fact import Fact
 from tests.helpers import after_slices, carriages, configured
-from tests.ui.helpers import Bench, bench, play
+from tests.ui.helpers import Bench, bench, open_nothing, play
 
 PART = (
     "G21 G90 F900\nM3 S500\nG0 Z-1\nG1 X12\nO1 REPEAT [4]\nG1 X2 (to)\nG1 X12 (fro)\nO1 ENDREPEAT\n"
@@ -291,3 +297,23 @@ def test_to_decide_later_leaves_it_as_it_is() -> None:
             assert b.plant.controller.position.doubt is not None
 
     play(scene)
+
+
+# --- the way out ---------------------------------------------------------------------------------
+
+
+def test_a_signal_while_the_first_screen_is_made_ends_the_app_as_any_other(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    compose = MachineView.compose
+
+    def signalled(view: MachineView) -> ComposeResult:
+        app = view.app
+        assert isinstance(app, FraeseApp)
+        app._leave_by_signal(signal.SIGTERM)
+        yield from compose(view)
+
+    monkeypatch.setattr(MachineView, "compose", signalled)
+    app = FraeseApp(assemble(Config()).controller, open_program=open_nothing)
+    asyncio.run(app.run_async(headless=True, size=(80, 24)))
+    assert app.exit_code == 128 + signal.SIGTERM
