@@ -173,6 +173,8 @@ def test_the_program_and_its_line_are_kept(tmp_path: Path) -> None:
     seen: list[tuple[str, str, int]] = []
 
     def look() -> None:
+        # What was asked for is written by a thread of its own, which a busy machine lets wait.
+        made.recorder.wait(5)
         job = kept(tmp_path)["job"]
         if job is not None:
             seen.append((job["name"], job["content_hash"], job["line"]))
