@@ -9,9 +9,10 @@ import pty
 import re
 import select
 import sys
+import termios
 import textwrap
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -20,6 +21,8 @@ from fraese.x4step.keyboard import MAKE_CODES
 
 ROOT = Path(__file__).parents[2]
 PRESS, REPEAT, RELEASE = 1, 2, 3
+_PATIENCE_S: Final = 30.0
+_LOOK_S: Final = 0.02
 _QUERY: Final = re.compile(rb"\x1b\[(\?u|c|>\d*u|<\d*u|\?1004[hl])")
 
 #: Final character and number of keys, by their names here.
@@ -99,11 +102,19 @@ class KittyTerminal:
 
 @dataclass
 class Screen:
-    """A program that has such a terminal of its own."""
+    """A program that has such a terminal of its own.
+
+    Attributes:
+        terminal: what it has.
+        seen: all that it wrote.
+        mark: what of it was waited for already.
+        left: how it left the terminal's settings.
+    """
 
     terminal: KittyTerminal = field(default_factory=KittyTerminal)
     seen: str = ""
     mark: int = 0
+    left: list[object] = field(default_factory=list)
 
     def start(self, program: str, *arguments: str) -> None:
         """A Python program; without its text a command of fraese."""
@@ -123,18 +134,12 @@ class Screen:
 
     def until(self, word: str) -> None:
         """It is seen."""
-        until_s = time.monotonic() + 30
-        while word not in self.seen[self.mark :]:
-            assert select.select([self.master], [], [], until_s - time.monotonic())[0], self.seen
-            self.read()
+        self._read_until(lambda: word in self.seen[self.mark :])
         self.mark = self.seen.index(word, self.mark) + len(word)
 
     def until_flags(self, flags: list[int]) -> None:
         """The terminal was told so."""
-        until_s = time.monotonic() + 30
-        while self.terminal.flags != flags:
-            assert select.select([self.master], [], [], until_s - time.monotonic())[0], self.seen
-            self.read()
+        self._read_until(lambda: self.terminal.flags == flags)
 
     def read(self) -> bool:
         try:
@@ -150,8 +155,25 @@ class Screen:
         os.write(self.master, data)
 
     def end(self) -> int:
-        """It ends by itself; its status."""
-        while self.read():
+        """It ends by itself; its status. What it leaves behind may keep the terminal open."""
+        self._read_until(self._gone)
+        while select.select([self.master], [], [], 0)[0] and self.read():
             pass
+        self.left = termios.tcgetattr(self.master)
+        os.close(self.master)
         self.seen = self.seen.replace("\r\n", "\n")
-        return os.waitstatus_to_exitcode(os.waitpid(self.child, 0)[1])
+        return os.waitstatus_to_exitcode(self._status)
+
+    def _gone(self) -> bool:
+        process, self._status = os.waitpid(self.child, os.WNOHANG)
+        return process == self.child
+
+    def _read_until(self, holds: Callable[[], bool]) -> None:
+        until_s = time.monotonic() + _PATIENCE_S
+        open_ = True
+        while not holds():
+            assert time.monotonic() < until_s, self.seen
+            if not open_:
+                time.sleep(_LOOK_S)
+            elif select.select([self.master], [], [], _LOOK_S)[0]:
+                open_ = self.read()

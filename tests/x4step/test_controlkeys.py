@@ -77,7 +77,7 @@ def test_ctrl_backslash(
         pass
     screen.type(encoded("\\", modifiers=4) if knows else b"\x1c")
     assert screen.end() == 128 + signal.SIGQUIT
-    assert termios.tcgetattr(screen.master) == before
+    assert screen.left == before
     assert (screen.terminal.flags, screen.terminal.focus) == ([], False)
     wave = Wave(tmp_path / "lines.vcd")
     on = [name for name, changes in wave.changes.items() if changes[-1].value == "1"]
