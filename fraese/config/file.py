@@ -92,19 +92,34 @@ def load(named: Path | None = None) -> Config:
     return Config() if path is None else from_table(_read(path), str(path))
 
 
+def check_text(text: str, place: str) -> Config:
+    """Check what a file holds, or would hold.
+
+    Raises:
+        ConfigError: one sentence with place, key and what would be right.
+    """
+    return from_table(_parsed(text, place), place)
+
+
 def _read(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_bytes().decode("utf-8"), parse_float=Decimal)
+        text = path.read_bytes().decode("utf-8")
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {os.strerror(error.errno or 0)}.") from error
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: is not a text file in UTF-8.") from error
+    return _parsed(text, str(path))
+
+
+def _parsed(text: str, place: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text, parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{path}: is not valid TOML: {error}.") from error
+        raise ConfigError(f"{place}: is not valid TOML: {error}.") from error
     except (RecursionError, ValueError) as error:
         # Of these the reader says no more: brackets in brackets, a number of thousands of digits.
         raise ConfigError(
-            f"{path}: is no configuration: brackets are nested too deep, or a number is too long."
+            f"{place}: is no configuration: brackets are nested too deep, or a number is too long."
         ) from error
 
 
