@@ -2,6 +2,7 @@
 
 Rule 1: interrupts are looked for before the command line is read: until it is there nothing has
         been done, and a traceback would help nobody.
+Rule 2: the app has its terminal from the first moment, see ``earlyterminal``.
 """
 
 import os
@@ -10,10 +11,13 @@ import sys
 from types import FrameType
 from typing import Final
 
+from fraese.earlyterminal import EARLY, starts_the_app
+
 _INTERRUPTED: Final = 130
 
 
 def _leave_at_once(number: int, frame: FrameType | None) -> None:
+    EARLY.give_back()
     os._exit(_INTERRUPTED)
 
 
@@ -23,14 +27,18 @@ def main() -> None:
     waits = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if waits:
         signal.signal(signal.SIGINT, _leave_at_once)
-    from fraese.cli import main as command_line
-
+    if starts_the_app(sys.argv[1:]) and os.isatty(1):
+        EARLY.take(0)
     try:
+        from fraese.cli import main as command_line
+
         if waits:
             signal.signal(signal.SIGINT, signal.default_int_handler)
         command_line()
     except KeyboardInterrupt:
         sys.exit(_INTERRUPTED)
+    finally:
+        EARLY.give_back()
 
 
 if __name__ == "__main__":

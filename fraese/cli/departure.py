@@ -13,6 +13,8 @@ import threading
 from collections.abc import Callable
 from typing import Final
 
+from fraese.earlyterminal import EARLY
+
 #: From motors off and state kept to the end: longer than last words take, short for who waits.
 _PATIENCE_S: Final = 0.7
 
@@ -100,13 +102,13 @@ class Closing:
 
 
 def left_at_once(fd: int) -> Callable[[int], None]:
-    """What ends the process with an exit code; the terminal is in the mode that it has now."""
-    attributes = None
+    """What ends the process with an exit code; the terminal is in the mode it was started in."""
+    attributes = EARLY.before
     with contextlib.suppress(ImportError, OSError, ValueError):
         import termios
 
         with contextlib.suppress(termios.error):
-            attributes = termios.tcgetattr(fd)
+            attributes = attributes or termios.tcgetattr(fd)
 
     def leave(code: int) -> None:
         if attributes is not None:

@@ -259,6 +259,10 @@ GROUPS: Final = ("Stop", "Jog", "Position", "Program", "Display", "Machine")
 STOP_KEYS: Final = frozenset(
     key for row in _FIXED if row.action == "app.stop_machine" for key in row.keys.split(",")
 )
+#: They quit wherever they are pressed.
+QUIT_KEYS: Final = frozenset(
+    key for row in _FIXED if row.action == "app.quit" for key in row.keys.split(",")
+)
 #: The stop key that is a single byte, and known also where it stands in the middle of something.
 STOP_BYTE: Final = "\x03"
 STOP_BYTE_KEY: Final = "ctrl+c"

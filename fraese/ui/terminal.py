@@ -7,6 +7,8 @@ Rule 1: no byte that arrives ends the app: what is no UTF-8 is a replacement cha
 Rule 2: a terminal that is gone is told of once, at once.
 Rule 3: what is typed faster than the app can follow is left out, but for the stop keys: no backlog
         moves a machine later. What is pasted has an end.
+Rule 4: what was typed before anything was drawn is left out, for the same reason, but for the key
+        that quits.
 """
 
 import codecs
@@ -24,11 +26,14 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.events import Key, MouseEvent, Paste, Resize
 from textual.message import Message
 
-from fraese.ui.keys import STOP_BYTE, STOP_BYTE_KEY, STOP_KEYS
+from fraese.earlyterminal import EARLY
+from fraese.ui.keys import QUIT_KEYS, STOP_BYTE, STOP_BYTE_KEY, STOP_KEYS
 from fraese.ui.screenwriter import ScreenWriter
 
 _LOOK_EVERY_S: Final = 0.1
 _READ_BYTES: Final = 4096
+#: A terminal keeps no more for who does not read.
+_MOST_EARLY: Final = 1 << 16
 #: So many events wait for the app, and no more; a hand types some twenty a second.
 _BACKLOG: Final = 200
 #: A path has 4,096 at most.
@@ -49,6 +54,7 @@ class Terminal(LinuxDriver):
     """
 
     _screen: ScreenWriter | None = None
+    _typed_early = b""
 
     # --- out -------------------------------------------------------------------------------------
 
@@ -57,7 +63,13 @@ class Terminal(LinuxDriver):
         app: Any = self._app
         fd = _drawn_on()
         self._screen = ScreenWriter(fd, app.draw_all, lambda: termios.tcflush(fd, termios.TCOFLUSH))
+        as_before = EARLY.before
+        if as_before is not None:
+            self._typed_early = self._waiting()
         super().start_application_mode()  # type: ignore[no-untyped-call]
+        if as_before is not None:
+            self.attrs_before = as_before
+            EARLY.is_the_drivers()
 
     def write(self, data: str) -> None:
         """Draw this; never waits."""
@@ -86,6 +98,10 @@ class Terminal(LinuxDriver):
     def run_input_thread(self) -> None:
         """Hear what the terminal sends, until it is given back or gone."""
         keys = _Keys(self._debug)
+        early, self._typed_early = self._typed_early, b""
+        for message in keys.heard(early):
+            if _is_one_of(message, QUIT_KEYS):
+                self.process_message(message)
         while not self.exit_event.is_set():
             data = b""
             try:
@@ -98,6 +114,17 @@ class Terminal(LinuxDriver):
             for message in keys.heard(data):
                 self.process_message(message)
         return None
+
+    def _waiting(self) -> bytes:
+        """What has arrived by now."""
+        data = b""
+        with contextlib.suppress(OSError):
+            while len(data) < _MOST_EARLY and select.select([self.fileno], [], [], 0)[0]:
+                read = os.read(self.fileno, _READ_BYTES)
+                if not read:
+                    break
+                data += read
+        return data
 
     def process_message(self, message: Message) -> None:
         """Pass on what was heard."""
