@@ -35,8 +35,7 @@ def test_only_the_value_changes(tmp_path: Path) -> None:
     path = tmp_path / "fraese.toml"
     text = written(path, COMMENTED, {"axes.x.pitch_mm": Decimal("1.9950")})
     assert text == COMMENTED.replace("pitch_mm = 2.0 ", "pitch_mm = 1.9950 ")
-    assert load(path).axes.x is not None
-    assert load(path).axes.x.pitch == Decimal("1.9950")
+    assert load(path).axes.table["x"].pitch == Decimal("1.9950")
 
 
 def test_a_new_key_stands_in_its_table_and_a_new_table_at_the_end(tmp_path: Path) -> None:
@@ -73,7 +72,7 @@ def test_however_the_table_is_written(tmp_path: Path, text: str) -> None:
     path = tmp_path / "fraese.toml"
     changed = written(path, text, {"axes.x.pitch_mm": 5, "axes.x.backlash_mm": Decimal("0.1")})
     x = load(path).axes.table["x"]
-    assert (x.pitch, x.backlash) == (5, Decimal("0.1")), changed
+    assert (x.pitch, x.backlash) == (Decimal(5), Decimal("0.1")), changed
     assert changed.count("short") == text.count("short")
     assert changed.count("enabled") == text.count("enabled")
 
@@ -83,7 +82,7 @@ def test_what_would_be_refused_is_not_written(tmp_path: Path) -> None:
     path.write_text(COMMENTED, "utf-8")
     with pytest.raises(ConfigError, match=r"axes\.x\.pitch_mm: must be greater than 0, not -1"):
         set_keys(path, {"axes.x.pitch_mm": -1})
-    with pytest.raises(ConfigError, match="unknown key axes.x.colour"):
+    with pytest.raises(ConfigError, match=r"unknown key axes\.x\.colour"):
         set_keys(path, {"axes.x.colour": "red"})
     with pytest.raises(ConfigError, match="cannot be changed"):
         set_keys(path, {"card.kind.of": 1})
