@@ -25,13 +25,27 @@ from fraese.planner.timing import WEIGHT_PER_MM2
 
 @dataclass(frozen=True, slots=True)
 class LineLimits:
-    """What the leading axis may do along a straight line, in steps/s and steps/s**2."""
+    """What the leading axis may do along a straight line, in steps/s and steps/s**2.
+
+    Bands to avoid are those of every axis, as rates of the leader.
+    """
 
     ticks: int
     length_mm: float
     start_hz: float
     max_hz: float
     acceleration_hz_s: float
+    bands_hz: tuple[tuple[float, float], ...] = ()
+
+    def outside_bands_hz(self, rate_hz: float) -> float:
+        """The rate, or the next lower one at which no axis is within a band to avoid."""
+        tried_hz = -1.0
+        while tried_hz != rate_hz:
+            tried_hz = rate_hz
+            for low_hz, high_hz in self.bands_hz:
+                if low_hz < rate_hz * (1 - 1e-9) < high_hz:
+                    rate_hz = low_hz
+        return rate_hz
 
     def edge_hz(self, cruise_hz: float) -> float:
         """Rate before the first tick and after the last one: their own is the start/stop rate."""
@@ -71,6 +85,11 @@ def line_limits(machine: Machine, delta_steps: Steps) -> LineLimits:
         start_hz=min(start_rate_hz(axis) / part for axis, part in parts),
         max_hz=min(axis.max_rate_hz / part for axis, part in parts),
         acceleration_hz_s=min(axis.acceleration_hz_s / part for axis, part in parts),
+        bands_hz=tuple(
+            (low_hz / part, high_hz / part)
+            for axis, part in parts
+            for low_hz, high_hz in axis.avoid_hz
+        ),
     )
 
 
@@ -99,6 +118,7 @@ def plan_line(
     cruise_hz = limits.max_hz
     if feed_mm_min is not None:
         cruise_hz = min(cruise_hz, feed_mm_min / 60 * limits.ticks / limits.length_mm)
+    cruise_hz = limits.outside_bands_hz(cruise_hz)
     edge_hz = limits.edge_hz(cruise_hz)
     return Block(
         steps=tuple(n * axis.motor_sign for n, axis in zip(delta_steps, machine.axes, strict=True)),

@@ -16,7 +16,7 @@ from fraese.blocks import (
     rate_q8_from_hz,
 )
 from fraese.machine import Machine
-from fraese.planner.lines import line_limits
+from fraese.planner.lines import line_limits, plan_line
 from fraese.planner.planner import Options, PathMode, Planner
 from tests.planner.motion import (
     Point,
@@ -260,6 +260,18 @@ def test_no_rate_is_kept_within_a_band_to_avoid(feed: float | None) -> None:
             kept = rates[flat & (intervals_s(block) == intervals_s(block).min())]
             for low, high in axes.axes[0].avoid_hz:
                 assert not ((kept > low * 1.001) & (kept < high * 0.999)).any()
+
+
+@pytest.mark.parametrize("feed", [None, 90.0, 150.0, 290.0, 600.0])
+def test_nor_on_a_line_by_hand(feed: float | None) -> None:
+    axes = machine(avoid_hz=((250.0, 420.0), (900.0, 1100.0)))
+    for steps in ((6000, 0, 0), (6000, 2200, 0), (2200, -6000, 100)):
+        block = plan_line(axes, steps, feed)
+        assert block is not None
+        kept = np.abs(axis_rates_hz(block))[intervals_s(block) == intervals_s(block).min()]
+        assert len(kept) > 50
+        for low, high in axes.axes[0].avoid_hz:
+            assert not ((kept > low * 1.001) & (kept < high * 0.999)).any()
 
 
 def test_outputs_ride_on_the_next_move_and_wait_for_nothing_else() -> None:
