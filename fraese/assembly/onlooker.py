@@ -26,12 +26,18 @@ def _limits(axis: TrueAxis) -> str:
     )
 
 
+def _bands(axis: TrueAxis) -> str:
+    bands = axis.motor.resonances_turns_s
+    return ", ".join(f"{low:g} to {high:g}" for low, high in bands)
+
+
 #: Why steps were lost, half a sentence.
 _WHY: Final[Mapping[Hindrance, Callable[[TrueAxis], str]]] = {
     Hindrance.TOO_FAST: lambda axis: (
         f"too fast: its motor follows up to {axis.motor.max_turns_s:g} turns/s"
     ),
     Hindrance.TOO_STEEP: lambda axis: f"too steep: {_limits(axis)}",
+    Hindrance.RESONANCE: lambda axis: f"resonance: its motor cannot stay at {_bands(axis)} turns/s",
     Hindrance.STOPPED_DEAD: lambda axis: f"stopped too suddenly: {_limits(axis)}",
 }
 

@@ -116,6 +116,7 @@ class TrueAxis:
             backlash_steps=self._half_steps(self.motor.backlash_mm),
             has_switches=self.has_switches,
             steps_in_turn=self.steps_in_turn,
+            scatter_steps=self.motor.scatter_mm * float(self.half_steps_per_unit),
         )
 
     def _limits(self, snaps_to_pole: bool) -> RotorLimits:
@@ -125,6 +126,9 @@ class TrueAxis:
             jump_hz=motor.start_turns_s * per_rev,
             acceleration_hz_s=motor.acceleration_turns_s2 * per_rev,
             snaps_to_pole=snaps_to_pole,
+            resonances_hz=tuple(
+                (low * per_rev, high * per_rev) for low, high in motor.resonances_turns_s
+            ),
         )
 
     def _half_steps(self, way: float) -> int:

@@ -33,6 +33,17 @@ def gear_ratio(value: Any) -> str:
     return text
 
 
+def from_below(value: tuple[Band, ...] | None) -> tuple[Band, ...] | None:
+    """Bands of rates, each from its lower to its higher one.
+
+    Raises:
+        ValueError: if one is not.
+    """
+    if any(low_hz >= high_hz for low_hz, high_hz in value or ()):
+        raise ValueError("a band is a lower and a higher rate, in this order")
+    return value
+
+
 class AxisConfig(Section, ABC):
     """One axis: how steps become a way, and what its motor can follow.
 
@@ -136,12 +147,7 @@ class AxisConfig(Section, ABC):
     def _ratio(cls, value: Any) -> str:
         return gear_ratio(value)
 
-    @field_validator("avoid_hz")
-    @classmethod
-    def _from_below(cls, value: tuple[Band, ...]) -> tuple[Band, ...]:
-        if any(low_hz >= high_hz for low_hz, high_hz in value):
-            raise ValueError("a band is a lower and a higher rate, in this order")
-        return value
+    _bands = field_validator("avoid_hz")(from_below)
 
     @model_validator(mode="after")
     def _rates(self) -> "AxisConfig":

@@ -16,7 +16,7 @@ from typing import Any, Final
 from pydantic import Field, field_validator, model_validator
 
 from fraese.config.axes import AxisName
-from fraese.config.axis import MOST_AXES, gear_ratio
+from fraese.config.axis import MOST_AXES, Band, from_below, gear_ratio
 from fraese.config.section import NotNegative, Positive, Section
 
 #: Keys of older files, in half-steps of a motor with 400 in a turn, and what they became.
@@ -56,6 +56,23 @@ class SimulatedMotor(Section):
             " axis."
         ),
     )
+    resonances_turns_s: tuple[Band, ...] = Field(
+        (),
+        max_length=8,
+        description=(
+            "Bands of rates in which a motor resonates, pairs of turns/s: it falls out of step when"
+            " it stays there."
+        ),
+    )
+    scatter_mm: NotNegative = Field(
+        0,
+        description=(
+            "Standard deviation of the place at which a switch closes, mm; degrees on a rotary"
+            " axis."
+        ),
+    )
+
+    _bands = field_validator("resonances_turns_s")(from_below)
 
 
 class SimulatedAxis(Section):
@@ -145,6 +162,19 @@ class SimulatedAxis(Section):
     backlash_mm: NotNegative | None = Field(
         None, examples=[0], description="How far its spindle turns back in vain, mm or degrees."
     )
+    resonances_turns_s: tuple[Band, ...] | None = Field(
+        None,
+        examples=[[[2.5, 3.5]]],
+        max_length=8,
+        description="Bands of rates in which this motor resonates, pairs of turns/s.",
+    )
+    scatter_mm: NotNegative | None = Field(
+        None,
+        examples=[0.01],
+        description="Standard deviation of where its switches close, mm or degrees.",
+    )
+
+    _bands = field_validator("resonances_turns_s")(from_below)
 
     @field_validator("gear", mode="before")
     @classmethod

@@ -4,11 +4,14 @@ Rule 1: a carriage follows its rotor, after the rotor has turned through the bac
 Rule 2: a switch is pressed by a carriage at its end of travel or beyond, or by hand.
 Rule 3: switches are felt after every movement that may have changed them: at or beyond an end, and
         everywhere while one is pressed.
-Rule 4: everything here is counted in half-steps of the motor, and in its direction: which way that
+Rule 4: a switch does not close at quite the same place every time. By how much it is off is drawn
+        when it is left, from numbers that are the same in every run.
+Rule 5: everything here is counted in half-steps of the motor, and in its direction: which way that
         moves a carriage, and how far in millimetres, is known further up.
 """
 
 import math
+import random
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -29,6 +32,7 @@ class Slide:
         backlash_steps: how far the rotor turns back before its carriage follows.
         has_switches: an end switch at both ends of the travel.
         steps_in_turn: steps of the electronics in which the field makes one electrical turn.
+        scatter_steps: standard deviation of where its switches close.
     """
 
     travel_steps: float
@@ -37,6 +41,7 @@ class Slide:
     backlash_steps: float = 0
     has_switches: bool = True
     steps_in_turn: int = TURN_STEPS
+    scatter_steps: float = 0
 
     @property
     def middle_steps(self) -> int:
@@ -69,7 +74,7 @@ class Mill:
     Attributes:
         slides: as given.
         rotors: one for each motor.
-        switches_steps: from where on each carriage presses its switches.
+        switches_steps: from where on each carriage presses its switches, the next time.
         contacts: the switches.
     """
 
@@ -87,6 +92,7 @@ class Mill:
         # Carriage ahead of rotor: between nothing and the backlash.
         self._slack_steps = [0.0] * len(self.rotors)
         self._by_hand: set[End] = set()
+        self._chance = random.Random(0)
 
     def turn(self, motor: int, delta: float, now_ns: int) -> None:
         """The field of a motor turned."""
@@ -124,7 +130,17 @@ class Mill:
             (End(motor, -1), position_steps <= low_steps),
             (End(motor, 1), position_steps >= high_steps),
         ):
+            was_pressed = end in self.contacts.pressed()
             self.contacts.change(end, at_end or end in self._by_hand, now_ns)
+            if was_pressed and not at_end and self.slides[motor].scatter_steps:
+                self._scatter(motor)
+
+    def _scatter(self, motor: int) -> None:
+        """The switches of a carriage will close a little elsewhere."""
+        slide = self.slides[motor]
+        low_steps, high_steps = slide.switches_steps
+        off_steps = [self._chance.gauss(0, slide.scatter_steps) for _ in range(2)]
+        self.switches_steps[motor] = low_steps + off_steps[0], high_steps + off_steps[1]
 
     def carriages_steps(self) -> tuple[float, ...]:
         """Where the carriages are, from the lower end of the travel."""

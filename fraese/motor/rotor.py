@@ -15,7 +15,9 @@ Rule 4: a rotor whose field stops dead above the start/stop rate overshoots by o
 Rule 5: a carriage sits on its rotor. At the mechanical end it cannot go on; the rotor slips.
 Rule 6: a rotor remembers what first kept it from following, until somebody has been told, or until
         it has caught up with nothing lost.
-Rule 7: angles are whole parts of a power of two, so that sums of them are exact.
+Rule 7: in a band of rates a rotor resonates: it swings itself up while it stays there, and then
+        falls out of step. What passes through leaves no swing behind.
+Rule 8: angles are whole parts of a power of two, so that sums of them are exact.
 """
 
 import math
@@ -34,6 +36,8 @@ _UNEVEN_STEPS: Final = 1.0
 _MAX_LAG_STEPS: Final = 1.5
 #: A motor's limits are not sharper than this.
 _FUZZ: Final = 1.15
+#: In a band in which it resonates, a rotor falls out of step after so long.
+_SWINGS_UP_S: Final = 0.06
 
 
 class Hindrance(Enum):
@@ -46,6 +50,7 @@ class Hindrance(Enum):
     AT_END = "at the mechanical end"
     NO_CURRENT = "without current"
     JUMP = "its field jumped"
+    RESONANCE = "resonance"
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,12 +62,14 @@ class RotorLimits:
         jump_hz: start/stop rate.
         acceleration_hz_s: change of rate that the torque allows.
         snaps_to_pole: without current it turns to the nearest pole; else friction holds it.
+        resonances_hz: bands of rates in which it cannot stay, from below to above.
     """
 
     max_rate_hz: float = 6000.0
     jump_hz: float = 1200.0
     acceleration_hz_s: float = 60_000.0
     snaps_to_pole: bool = False
+    resonances_hz: tuple[tuple[float, float], ...] = ()
 
 
 class Rotor:
@@ -87,7 +94,8 @@ class Rotor:
 
     __slots__ = (
         "_before_s", "_count", "_forgiven", "_jump_hz", "_lag", "_loose", "_mark_ns", "_net",
-        "_offset", "_rate_hz", "_rest_ns", "_seen_ns", "_stalled", "_step", "_uneven", "_window",
+        "_offset", "_rate_hz", "_rest_ns", "_seen_ns", "_stalled", "_step", "_swung_s", "_uneven",
+        "_window",
         "blocked", "field_steps", "high_steps", "hindrance", "limits", "low_steps",
         "position_steps", "powered",
     )  # fmt: skip
@@ -214,6 +222,7 @@ class Rotor:
     def _begin_window(self, now_ns: int) -> None:
         self._mark_ns = now_ns
         self._count = 0
+        self._swung_s = 0.0
         self._net = self._rate_hz = self._lag = self._before_s = 0.0
 
     def _rate_before_rest_hz(self) -> float:
@@ -241,6 +250,12 @@ class Rotor:
             self._stalled = False
             self.relock()
 
+    def _resonates(self, rate_hz: float, took_s: float) -> bool:
+        """Whether it has swung itself up, a window in which it kept this rate later."""
+        inside = any(low_hz < rate_hz < high_hz for low_hz, high_hz in self.limits.resonances_hz)
+        self._swung_s = self._swung_s + took_s if inside else 0.0
+        return self._swung_s > _SWINGS_UP_S
+
     def _judge(self, now_ns: int) -> None:
         """A window of steps later: could the rotor follow?"""
         took_s = (now_ns - self._mark_ns) / _NS_PER_S
@@ -256,7 +271,10 @@ class Rotor:
             jerk = abs(net - before) if net * before >= 0 else max(abs(net), abs(before))
             self._lag = max(0.0, self._lag + abs(net) - limits.max_rate_hz * took_s)
             too_fast_to_catch = self._loose and abs(net) > _FUZZ * self._jump_hz * took_s
-            if jerk > may_gain + self._uneven or self._lag > _MAX_LAG_STEPS or too_fast_to_catch:
+            if limits.resonances_hz and self._resonates(abs(net) / took_s if took_s else 0, took_s):
+                self._stalled = self._loose = True
+                self._blame(Hindrance.RESONANCE)
+            elif jerk > may_gain + self._uneven or self._lag > _MAX_LAG_STEPS or too_fast_to_catch:
                 self._stalled = self._loose = True
                 too_fast = abs(net) > limits.max_rate_hz * took_s + self._uneven
                 behind = too_fast or too_fast_to_catch or self._lag > _MAX_LAG_STEPS

@@ -3,11 +3,13 @@
 import itertools
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from fraese.blocks import Piece, accel_q_from_hz_s
+from fraese.motor.mill import Mill, Slide
 from fraese.motor.phases import MOTRUN
 from fraese.motor.rotor import Hindrance, RotorLimits
 from fraese.motor.seams import End, IdleLevel, Report
@@ -87,6 +89,35 @@ class TestFollows:
             for steps, law in ((ticks, out), (-ticks, mirrored(out)))
         ]
         bench.run(*blocks)
+        assert bench.wait().lost() == (0, 0, 0)
+
+
+class TestResonates:
+    LIMITS = RotorLimits(6000, 1200, 60_000, resonances_hz=((900, 1100), (2900, 3100)))
+
+    @pytest.mark.parametrize(
+        ("rate_hz", "follows"),
+        [(800, True), (890, True), (950, False), (1050, False), (1150, True)],
+    )
+    def test_it_cannot_stay_within_a_band(self, rate_hz: float, follows: bool) -> None:
+        bench = Workbench(limits=self.LIMITS)
+        report = bench.run(steady(400, rate_hz=rate_hz))
+        assert (bench.wait().lost()[0] == 0) == follows
+        assert bench.lost()[0] % 8 == 0, "whole electrical turns"
+        found = Hindrance.RESONANCE if not follows else None
+        assert bench.mill.rotors[0].hindrance is found
+        balance(bench, report)
+
+    def test_it_may_be_there_for_a_moment(self) -> None:
+        bench = Workbench(limits=self.LIMITS)
+        for _ in range(3):
+            bench.run(steady(40, rate_hz=1000), steady(40, rate_hz=800))
+        assert bench.wait().lost() == (0, 0, 0)
+
+    def test_a_ramp_passes_through(self) -> None:
+        bench = Workbench(limits=self.LIMITS)
+        law = tuple(trapezoid(3000, 800, 4000, 800, 20_000))
+        bench.run(line(3000)._replace(pieces=law, accel_q=accel_q_from_hz_s(20_000)))
         assert bench.wait().lost() == (0, 0, 0)
 
 
@@ -381,3 +412,16 @@ def test_a_machine_is_found_as_it_was_left(wiring: str) -> None:
     lost = [a - b for a, b in zip(found.lost(), left.lost(), strict=True)]
     assert tuple(m + n for m, n in zip(moved, lost, strict=True)) == report.position_steps
     assert all(math.fmod(n, 8) == 0 for n in found.lost())
+
+
+def test_switches_close_not_always_at_the_same_place() -> None:
+    mill = Mill([Slide(4000, scatter_steps=4), Slide(4000)])
+    found = []
+    for _ in range(400):
+        found.append(mill.switches_steps[0][0])
+        mill.place(0, -100)
+        mill.place(0, 100)
+    spread = np.std(found)
+    assert 3.5 < spread < 4.5
+    assert abs(np.mean(found)) < 0.7
+    assert mill.switches_steps[1] == (0, 4000), "those of the other axis do"
