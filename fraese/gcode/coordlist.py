@@ -33,10 +33,17 @@ _IN_POINTS: Final = frozenset("+-0123456789.,;eE \t")
 
 
 def looks_like_points(lines: Iterable[str]) -> bool:
-    """Whether the first line that says anything is a point or a header of columns."""
+    """Whether the first line that says anything is a point or a header of columns.
+
+    A line that starts with a semicolon says nothing: it is a remark in G-code.
+    """
     for text in lines:
         line = text.strip().removeprefix("\ufeff")
-        if not line or (line.startswith("#") and "=" not in _UNIT.sub("", line)):
+        if (
+            not line
+            or line.startswith(";")
+            or (line.startswith("#") and "=" not in _UNIT.sub("", line))
+        ):
             continue
         return _is_header(line) or (_IN_POINTS.issuperset(line) and any(map(str.isdigit, line)))
     return False

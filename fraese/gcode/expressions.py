@@ -167,7 +167,9 @@ class Reader:
         match = _NUMBER.match(self.text, self.at)
         if match is None:
             found = f"{self.peek()!r}" if self.peek() else "the end of the line"
-            raise ProgramError(f"a number is missing before {found}")
+            behind = self.text[self.at - 1 : self.at].upper()
+            between = f"between {behind!r} and {found}" if behind else f"before {found}"
+            raise ProgramError(f"a number is missing {between}")
         self.at = match.end()
         return number(match.group())
 

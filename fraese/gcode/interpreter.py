@@ -26,6 +26,7 @@ from fraese.gcode.canon import (
     Probe,
     Rapid,
 )
+from fraese.gcode.foreign import explained
 from fraese.gcode.frames import Frames
 from fraese.gcode.labels import SUBPROGRAM
 from fraese.gcode.modal import M_OFFSET, ORDER, Modal
@@ -68,6 +69,8 @@ class Interpreter:
         self._reader = BlockReader(parameters, axes)
         self._flow = Flow(Source((), setup.file), parameters, setup)
         self._text = ""
+        # whether anything of the program was carried out
+        self._begun = False
         self._handlers: dict[str, Handler] = dict.fromkeys(ORDER, self._set)
         self._handlers.update(self._outputs.handlers())
         self._handlers.update(f=self._feed, state=self._state, nonmodal=self._nonmodal)
@@ -117,8 +120,6 @@ class Interpreter:
         flow = self._flow
         motion, parameters = self._motion, self.parameters
         changes = parameters.changes
-        percent = False
-        blank = True
         quiet = 0
         while not self._outputs.ended:
             text = flow.next()
@@ -126,14 +127,14 @@ class Interpreter:
                 break
             motion.line = flow.source.line
             self._text = text
-            if blank and text.strip():
-                blank = False
+            if not self._begun:
                 text = text.removeprefix("\ufeff")
-                if text.strip() == "%":
-                    percent = True
-                    continue
-            if percent and text.strip() == "%":
-                break
+            if "%" in text and text.strip() == "%" and not flow.call_level:
+                if self._begun or flow.source.is_framed:
+                    flow.end_of_tape()
+                    break
+                flow.source.is_framed = True
+                continue
             quiet += 1
             if quiet > _LINES_A_BREATH:
                 quiet = 0
@@ -172,16 +173,17 @@ class Interpreter:
                 return ()
             text = text[1:]
             first = text[:1]
-        if first == "n":
+        if first == "n" or first == ":":
             text = words.strip_line_number(text)
             first = text[:1]
         if first == "o" or (first == "m" and SUBPROGRAM.match(text)):
             return self._o_word(text)
         if not text and not comment:
             return ()
-        return self._execute(self._reader.read(text, comment))
+        return self._execute(text, comment)
 
     def _o_word(self, text: str) -> Moves:
+        self._begun = True
         flow = self._flow
         level = flow.call_level
         word = flow.take(text)
@@ -192,9 +194,14 @@ class Interpreter:
             return self._settings.leave(self._motion.line, level)
         return ()
 
-    def _execute(self, block: Block) -> Moves:
-        """Carry out a block."""
-        words.complete(block, self._modal.motion)
+    def _execute(self, text: str, comment: str) -> Moves:
+        """Carry out a line."""
+        self._begun = self._begun or bool(text.strip("("))
+        try:
+            block = self._reader.read(text, comment)
+            words.complete(block, self._modal.motion)
+        except ProgramError as error:
+            raise explained(self._text, error) from error
         given = block.words
         if block.codes or block.comment or "s" in given or "t" in given:
             return self._in_order(block)

@@ -90,7 +90,7 @@ class LabelReader:
 
     def passed(self, text: str) -> OWord | None:
         """The O-word on a line that is only passed over: what is wrong with it is no matter."""
-        if "o" not in text and "O" not in text:
+        if "o" not in text and "O" not in text and ":" not in text:
             return None
         try:
             text = plain(text)

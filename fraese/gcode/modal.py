@@ -20,7 +20,7 @@ G_GROUPS: Final[dict[str, tuple[int, ...]]] = {
     "distance": (900, 910),
     "arc_distance": (901, 911),
     "feed_mode": (930, 940),
-    "units": (200, 210),
+    "units": (200, 210, 700, 710),
     "cutter": (400,),
     "length": (430, 431, 432, 490),
     "retract": (980, 990),
@@ -28,7 +28,11 @@ G_GROUPS: Final[dict[str, tuple[int, ...]]] = {
     "path": (610, 611, 640),
     "spindle_mode": (970,),
     "lathe": (80,),
+    # What is never in force here may be ended; each is a group of its own.
+    **{f"no G{code / 10:g}": (code,) for code in (131, 150, 230, 250, 401, 500, 501, 670, 690)},
 }
+#: Codes that say the same: G70 and G71 are the older spelling of the units.
+SAME: Final[dict[int, int]] = {700: 200, 710: 210}
 M_GROUPS: Final[dict[str, tuple[int, ...]]] = {
     "stop": (0, 1, 2, 30, 60),
     "tool_change": (6, 61),
@@ -44,12 +48,20 @@ G_REFUSED: Final[dict[int, str]] = {
     52: "NURBS are not supported; approximate them by G1, G2 and G3",
     53: "NURBS are not supported; approximate them by G1, G2 and G3",
     70: "the lathe's diameter mode is not supported on a mill; program radii (G8)",
+    121: "polar interpolation is not supported; let the CAM program write X and Y",
+    160: "polar coordinates are written with @ and ^ here",
     330: "motion synchronised with the spindle needs a spindle encoder, and there is none",
     331: "rigid tapping needs a spindle encoder, and there is none",
     410: "cutter compensation is not supported; let the CAM program offset the path",
     411: "cutter compensation is not supported; let the CAM program offset the path",
     420: "cutter compensation is not supported; let the CAM program offset the path",
     421: "cutter compensation is not supported; let the CAM program offset the path",
+    510: "scaling is not supported; let the CAM program scale",
+    511: "mirroring is not supported; let the CAM program mirror",
+    541: "there are nine work coordinate systems here, G54 to G59, G59.1, G59.2 and G59.3",
+    660: "macros by G66 are not supported; call a subroutine by M98 or o<name> call",
+    680: "a work coordinate system is turned by G10 L2 R here",
+    720: "it is a lathe's cycle",
     760: "threading needs a spindle encoder, and there is none",
     870: "back boring needs an oriented spindle, and there is none",
     880: "boring with manual retract is not supported; use G86 or G89",
@@ -96,6 +108,9 @@ ORDER: Final = (
 
 ARCS: Final = frozenset({20, 30})
 CYCLES: Final = frozenset({730, 740, 810, 820, 830, 840, 850, 860, 890})
+STRAIGHT: Final = frozenset({0, 10})
+# The ways home; what stands beside them on a line is not moved again.
+HOMES: Final = frozenset({280, 300})
 # Codes outside the motion group that use X, Y and Z for themselves.
 AXIS_USERS: Final = frozenset({100, 280, 300, 431, 520, 920})
 
@@ -114,7 +129,6 @@ WORD_USERS: Final[dict[str, tuple[frozenset[int], str]]] = {
     ),
     "$": (frozenset({1003, 1004, 1005, 1051, 970}), "M3, M4, M5, M51 or G97"),
     "d": (frozenset(), "cutter compensation, which is not supported"),
-    "e": (frozenset(), "any code that is supported"),
 }
 # M-codes get this added where they share a table with G-codes.
 M_OFFSET: Final = 1000

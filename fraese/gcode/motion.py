@@ -19,7 +19,7 @@ from fraese.gcode.canon import (
     Rapid,
 )
 from fraese.gcode.drilling import Drilling
-from fraese.gcode.modal import CYCLES, Modal, name
+from fraese.gcode.modal import CYCLES, HOMES, Modal, name
 from fraese.gcode.offsets import Coordinates
 from fraese.gcode.parameters import Parameters
 from fraese.gcode.position import Position
@@ -56,8 +56,12 @@ class Motion(Position):
             return self._drilling.drill(block)
         self._drilling.forget()
         self.modal.motion = code
-        if block.codes.get("nonmodal") == 530:
-            return self._machine_straight(block, code)
+        nonmodal = block.codes.get("nonmodal")
+        if nonmodal is not None:
+            if nonmodal == 530:
+                return self._machine_straight(block, code)
+            if nonmodal in HOMES:
+                return ()
         return _MOTIONS[code](self, block)
 
     def forget_cycle(self) -> None:

@@ -18,7 +18,7 @@ from fraese.gcode.labels import LabelReader, OWord
 from fraese.gcode.parameters import ARGUMENTS, Parameters, Scope
 from fraese.gcode.setup import Setup
 from fraese.gcode.source import Source
-from fraese.gcode.subroutines import PROGRAM_NUMBER, Library, Sub
+from fraese.gcode.subroutines import HEADS, PROGRAM_NUMBER, Library, Sub, bare
 
 MAX_CALLS: Final = 9
 
@@ -102,6 +102,30 @@ class Flow:
             raise ProgramError(
                 f"{self._max_idle_lines} lines went by without motion: this loop never ends"
             )
+
+    def end_of_tape(self) -> None:
+        """A percent sign ends the program; where none opened it, subprograms may follow.
+
+        Raises:
+            ProgramError: more of the program follows, and would never be carried out.
+        """
+        source = self.source
+        if source.is_framed:
+            return
+        place = source.hold()
+        try:
+            while (text := source.next()) is not None:
+                label = self._labels.label(text)
+                if label is not None and label[1] in HEADS:
+                    return
+                if text.strip() != "%" and bare(text):
+                    raise ProgramError(
+                        f"this stands behind the '%' in line {place}, which ends the program",
+                        source.line,
+                    )
+        finally:
+            source.back(place)
+            source.release()
 
     def take(self, text: str) -> OWord:
         """Carry out what stands on a plain line that starts with O, M98 or M99.

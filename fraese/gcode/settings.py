@@ -151,6 +151,8 @@ _SETTERS: Final[dict[int, Callable[[Settings, Block], None]]] = {
     940: lambda settings, block: settings._feed_mode(False),
     980: _mode("retract_to_start", True),
     990: _mode("retract_to_start", False),
+    700: _mode("scale_mm", 25.4),
+    710: _mode("scale_mm", 1.0),
     400: _nothing,
     80: _nothing,
     970: _nothing,

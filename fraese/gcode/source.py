@@ -11,10 +11,15 @@ from collections.abc import Iterable, Iterator
 
 
 class Source:
-    """An iterator of lines that can go back to held places."""
+    """An iterator of lines that can go back to held places.
+
+    Attributes:
+        is_framed: it began with a percent sign, so that the next one is its end.
+    """
 
     def __init__(self, lines: Iterable[str], file: str, first_line: int = 1) -> None:
         self.file = file
+        self.is_framed = False
         # number of the line that was returned last
         self.line = first_line - 1
         self._lines: Iterator[str] = iter(lines)

@@ -166,7 +166,7 @@ class Library:
                 if label is not None and label[1] in HEADS:
                     break
             if over or "99" in text:
-                code = _plain(text)
+                code = bare(text)
                 over = code.startswith("m99") if code else over
             lines.append(text)
             if self._numbered_lines + len(lines) > MAX_NUMBERED:
@@ -175,7 +175,7 @@ class Library:
         return Sub(source.file, first, tuple(lines))
 
 
-def _plain(text: str) -> str:
+def bare(text: str) -> str:
     """What a line says without its comments; nothing where it is malformed."""
     try:
         return plain(text).strip("(")
@@ -184,10 +184,12 @@ def _plain(text: str) -> str:
 
 
 def _lines(source: Source) -> Iterator[str]:
-    """The lines that follow, as far as a closing percent sign."""
+    """The lines that follow, as far as the percent sign that closes what one has opened."""
     begun = source.line > 0
     while (text := source.next()) is not None:
-        if begun and text.strip() == "%":
-            return
+        if text.strip() == "%":
+            if source.is_framed:
+                return
+            source.is_framed = not begun
         begun = begun or bool(text.strip())
         yield text

@@ -13,21 +13,26 @@ from fraese.errors import ProgramError
 from fraese.gcode import modal
 from fraese.gcode.axes import ALL, Axes
 from fraese.gcode.expressions import Reader, number
-from fraese.gcode.modal import AXIS_USERS, CYCLES, M_OFFSET, WORD_USERS
+from fraese.gcode.modal import AXIS_USERS, CYCLES, HOMES, M_OFFSET, SAME, STRAIGHT, WORD_USERS
 from fraese.gcode.parameters import Parameters
 
 _WORDS = re.compile(r"([a-z])([-+]?[0-9.]{1,40}(?![0-9.]))|(.+)", re.DOTALL)
 _LINE_NUMBER = re.compile(r"n[0-9]+(?:\.[0-9]*)?")
-# How other controls branch, and what only a sender says to its controller.
-_FOREIGN: Final = ("if[", "while[", "goto", "end")
-_GRBL: Final = re.compile(r"\$(?![-+0-9.#\[])")
+# The other spelling of an O-number that stands alone.
+_COLON: Final = re.compile(r":(?=[0-9]+\(?$)")
 # Stands for a comment inside a line, so that what it divides is not joined.
 _MARK: Final = "("
 
 AXES: Final = ALL | frozenset("@^")
 OFFSETS: Final = frozenset("ijk")
 # Letters of words that are no axes.
-LETTERS: Final = frozenset("defhijklpqrst@^$")
+LETTERS: Final = frozenset("dfhijklpqrst@^$")
+# What is done once a line says it: two of them on one line may mean two things.
+_ONCE: Final = frozenset({"nonmodal", "stop", "tool_change", "state"})
+# G50 ends scaling, which is never on; with these it means something else.
+_SCALING: Final = AXES | {"s"}
+# With these G70 and G71 are no units.
+_LATHE: Final = frozenset("pq")
 # Words that any block may have; all others need a code that uses them.
 PLAIN: Final = AXES | frozenset("fst")
 
@@ -96,12 +101,12 @@ def strip_line_number(text: str) -> str:
     Raises:
         ProgramError: N is not followed by a number.
     """
-    if not text.startswith("n"):
-        return text
-    match = _LINE_NUMBER.match(text)
-    if match is None:
-        raise ProgramError("N has to be followed by a line number")
-    return text[match.end() :]
+    if text.startswith("n"):
+        match = _LINE_NUMBER.match(text)
+        if match is None:
+            raise ProgramError("N has to be followed by a line number")
+        text = text[match.end() :]
+    return _COLON.sub("o", text) if text.startswith(":") else text
 
 
 class BlockReader:
@@ -151,19 +156,23 @@ class BlockReader:
 
     def _add_code(self, block: Block, code: int, group: str) -> None:
         if group == "motion":
-            if block.motion is not None:
-                raise ProgramError(_conflict(modal.name(block.motion), modal.name(code)))
+            before = block.motion
+            # Behind a place the same code again may mean a second move.
+            if before is not None and (before != code or not AXES.isdisjoint(block.words)):
+                raise ProgramError(_conflict(modal.name(before), modal.name(code)))
             block.motion = code
             return
-        if group in block.codes:
-            raise ProgramError(_conflict(modal.name(block.codes[group]), modal.name(code)))
+        before = block.codes.get(group)
+        if before is not None and not _agree(before, code, group):
+            raise ProgramError(_conflict(modal.name(before), modal.name(code)))
         block.codes[group] = code
 
     def _add_m(self, block: Block, value: float) -> None:
         code = modal.m_code(value)
         group = modal.M_GROUP[code]
-        if group in block.codes:
-            raise ProgramError(_conflict(f"M{block.codes[group] - M_OFFSET}", f"M{code}"))
+        before = block.codes.get(group)
+        if before is not None and not _agree(before, code + M_OFFSET, group):
+            raise ProgramError(_conflict(f"M{before - M_OFFSET}", f"M{code}"))
         block.codes[group] = code + M_OFFSET
 
     def _add_word(self, block: Block, letter: str, value: float) -> None:
@@ -186,10 +195,6 @@ class BlockReader:
         first = text[0]
         if first == _MARK:
             return text[1:]
-        if text.startswith(_FOREIGN):
-            raise ProgramError("IF, WHILE, GOTO and END are not known without O: o<name> if [...]")
-        if _GRBL.match(text):
-            raise ProgramError("'$' without a number is a command to grbl, not a line of a program")
         reader = Reader(text, self._parameters, 1)
         if first == "#":
             reader.at = 0
@@ -207,6 +212,11 @@ class BlockReader:
             self._parameters.set(key, value)
         else:
             self._parameters.set_name(key, value)
+
+
+def _agree(one: int, other: int, group: str) -> bool:
+    """Whether two codes of a group on one line say the same."""
+    return group not in _ONCE and SAME.get(one, one) == SAME.get(other, other)
 
 
 def _conflict(one: str, other: str) -> str:
@@ -229,6 +239,7 @@ def complete(block: Block, motion: int | None) -> None:
     codes = block.codes
     has_axes = block.has_axes = not AXES.isdisjoint(words)
     if codes:
+        _check_codes(block)
         has_axes = _shared_axes(block)
     if block.motion is None and "cancel" not in codes:
         # The centre alone is enough to go round a full circle once more.
@@ -241,10 +252,25 @@ def complete(block: Block, motion: int | None) -> None:
         _check_words(block)
 
 
+def _check_codes(block: Block) -> None:
+    """Codes that are taken as what they most often mean, on a line that means something else."""
+    codes, given = block.codes, block.words
+    if codes.get("units") in SAME and not _LATHE.isdisjoint(given):
+        raise ProgramError(
+            f"{modal.name(codes['units'])} is refused: with P or Q it is a lathe's cycle;"
+            " alone it is the unit, inch (G70) or mm (G71)"
+        )
+    if "no G50" in codes and not _SCALING.isdisjoint(given) and block.motion is None:
+        raise ProgramError("G50 ends scaling here and takes no words; G92 sets coordinates")
+
+
 def _shared_axes(block: Block) -> bool:
     """Whether axis words are there and left for the motion."""
     codes = block.codes
     users = [code for code in codes.values() if code in AXIS_USERS]
+    if block.motion in STRAIGHT and codes.get("nonmodal") in HOMES:
+        # The words are of the way home; the motion is only put into force.
+        return False
     # A tool offset by axis words shares them with the motion; what is non-modal does not.
     if block.motion is not None:
         users = [code for code in users if code != 431]

@@ -77,6 +77,8 @@ def test_refusals(text: str, said: str) -> None:
         ("a.csv", "g0 x1", "points"),
         ("a.txt", "# unit: inch\n1;2;3", "points"),
         ("a.txt", "\n# a list\nx;y\n1;2", "points"),
+        ("a.txt", ";1\nG21 G90\nG0 X1 Y2\nM2", "gcode"),
+        ("a.txt", ";1;2\n3;4", "points"),
         ("a.txt", "(part)\ng0 x1", "gcode"),
         ("a", "#1=5\ng0 x#1", "gcode"),
         ("a", "n10 g0 x1", "gcode"),

@@ -5,6 +5,11 @@ decimals. So this reader follows the calls that set units and offsets, as the ma
 the real interpreter does: an offset counts in the unit that is in force when it is set, a
 position is then  rotate(printed + G92) + work offset + tool offset.
 
+A line number of six digits leaves no blank before the call's name.
+
+Without ``-t`` rs274 has a tool table of its own, with three tools and their lengths; here it is
+always given one.
+
 rs274 pretends an inch machine: its tool table and parameter file are in inches. Its probe
 stops 0.01 inch short of the target. It has six axes; points are given for those that are asked
 for.
@@ -28,7 +33,7 @@ Vector = tuple[float, ...]
 ORIGIN: Vector = (0.0,) * len(LETTERS)
 Event = tuple[object, ...]
 
-_CALL = re.compile(r"^\s*\d+ N\S*\s+([A-Z_0-9]+)\((.*)\)$")
+_CALL = re.compile(r"^\s*\d+ N[\d.]*\s*([A-Z][A-Z_0-9]*)\((.*)\)$")
 _PLANES = {"CANON_PLANE_XY": 17, "CANON_PLANE_XZ": 18, "CANON_PLANE_YZ": 19}
 _AXES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
 _MODES = {
@@ -37,6 +42,8 @@ _MODES = {
     "CANON_CONTINUOUS": "G64",
 }
 INCH_MM = 25.4
+# Where there is no table, every tool that a program may ask for, as in ours.
+EVERY_TOOL = dict.fromkeys(range(1, 100), 0.0)
 # A program that loops for ever is the judge's problem only as long as this.
 TIMEOUT_S = 20.0
 
@@ -56,12 +63,21 @@ def judge(
     arguments: tuple[str, ...] = (),
     axes: str = "xyz",
 ) -> Verdict:
-    """Run a program through rs274; tool lengths in mm, points for these axes."""
+    """Run a program through rs274; tool lengths in mm, points for these axes.
+
+    Args:
+        text: the program.
+        folder: for its files.
+        tools: lengths; None: every tool has length 0, as where we are given no table.
+        arguments: more for rs274.
+        axes: of the machine.
+    """
     assert RS274 is not None
     program = folder / "judged.ngc"
     program.write_bytes(text.encode("utf-8", "surrogateescape"))
     table = folder / "judged.tbl"
-    lines = [f"T{n} P{n} Z{length / INCH_MM:.9f}" for n, length in (tools or {}).items()]
+    table_of = EVERY_TOOL if tools is None else tools
+    lines = [f"T{n} P{n} Z{length / INCH_MM:.9f}" for n, length in table_of.items()]
     table.write_text("".join(f"{line}\n" for line in lines))
     variables = folder / "judged.var"
     variables.write_text("5161 0\n")
