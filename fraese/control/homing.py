@@ -64,6 +64,9 @@ class Homing:
         say: told what was found.
         lost: says which steps were lost on the way, where that can be seen; else nothing.
         measure: run to the other end too.
+
+    Attributes:
+        measured_mm: way from end to end of the axes that were measured, by name.
     """
 
     def __init__(
@@ -82,6 +85,7 @@ class Homing:
         self._say = say
         self._lost = lost
         self._measure = measure
+        self.measured_mm: dict[str, float] = {}
 
     def job(self, axes: Sequence[str]) -> Job:
         """The run, as a job for the run loop.
@@ -121,6 +125,7 @@ class Homing:
         yield from self._pull_off(axis, -sign, other)
         zero_to_switch = axis.to_steps(self._config.pull_off_mm)
         measured_mm = axis.to_mm(abs(other) + zero_to_switch)
+        self.measured_mm[name] = measured_mm
         yield from self._back_to_zero(axis)
         measured = axis.with_unit(f"{measured_mm:.3f}")
         return f"{name.upper()} (travel {measured}, configured {axis.with_unit(axis.travel_mm)})"
