@@ -15,7 +15,7 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -23,9 +23,7 @@ from typing import Any, Final
 from rich.console import RenderableType
 from textual import events
 from textual.actions import SkipAction
-from textual.app import App, SystemCommand
 from textual.driver import Driver
-from textual.screen import Screen
 
 from fraese.control.controller import Controller
 from fraese.control.state import MachineState, Status
@@ -34,12 +32,14 @@ from fraese.signalwatch import watched
 from fraese.ui.bindings import bind
 from fraese.ui.dialogs.page import LivePage
 from fraese.ui.dialogs.switches import Hand
+from fraese.ui.eventlog import EventLog, Kind
 from fraese.ui.keys import PALETTE, STOP_KEYS, Area, KeyTable
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.messages import Alarmed, Noted, Refused
 from fraese.ui.programs import OpenProgram, ProgramDesk, Resume, nothing_is_kept
 from fraese.ui.stopkey import EarlyStop, Heard
 from fraese.ui.themes import DARK, LIGHT
+from fraese.ui.viewed import ViewedApp
 from fraese.ui.views import VIEWS
 from fraese.ui.views.view import Desk, View
 from fraese.ui.widths import RepeatRule
@@ -54,11 +54,9 @@ _SWITCH_INTERVAL_S: Final = 0.0005
 _TERMINAL_SEEN_S: Final = 0.25
 #: What the app is made of is there by then: modules, widgets, first pictures.
 _SETTLED_S: Final = 0.5
-#: More notices at once are not read, and hide the machine.
-_MOST_NOTICES: Final = 5
 
 
-class FraeseApp(App[None]):
+class FraeseApp(ViewedApp):
     """The terminal app.
 
     Args:
@@ -99,12 +97,12 @@ class FraeseApp(App[None]):
         self._heard: Heard | None = None
         self._leaving = leaving or (lambda code: None)
         self._has_crashed = False
-        self._said_until_s: dict[str, float] = {}
+        self._toast, self._toast_until_s = "", -math.inf
         self._in_app: Callable[[Callable[[], object]], object] = lambda action: None
         # Each is counted up by one thread only: what two count gets lost.
         self._typed = self._queued = 0
         super().__init__()
-        self._keys = KeyTable(self.link.shape)
+        self._keys = KeyTable(self.link.shape, views)
         self._repeats = RepeatRule()
         self._notes = tuple(notes)
         self._state = self.link.state()
@@ -114,10 +112,14 @@ class FraeseApp(App[None]):
         self._answer_is_new = False
         bind(self, self._keys.of(Area.EVERYWHERE))
         self._programs = ProgramDesk(open_program, program, resume)
-        desk = Desk(self.link, self._keys, self._repeats, self._programs, machine_name, hand)
-        self._views = {name: view(desk) for name, view in views.items()}
-        for name in views:
-            self.add_mode(name, partial(self._views.__getitem__, name))
+        self._events = EventLog()
+        self.make_views(
+            views,
+            Desk(
+                self.link, self._keys, self._repeats, self._programs, machine_name, hand,
+                self._events,
+            ),
+        )  # fmt: skip
 
     # --- coming and going ------------------------------------------------------------------------
 
@@ -198,13 +200,6 @@ class FraeseApp(App[None]):
         """The machine's thread has something to do, or there is something left to draw."""
         return self.link.busy or self._draw_planned
 
-    # --- views -----------------------------------------------------------------------------------
-
-    @property
-    def view(self) -> View:
-        """The one that is seen, or that lies below the dialog."""
-        return self._views[self.current_mode]
-
     # --- keys ------------------------------------------------------------------------------------
 
     def get_driver_class(self) -> type[Driver]:
@@ -238,18 +233,15 @@ class FraeseApp(App[None]):
     def notify(self, message: str, *, title: str = "", **options: Any) -> None:
         """As Textual's, made plain; what is still to be read is not said again.
 
-        A key that is held and refused would fill the screen, and the memory, with one sentence.
+        There is one at a time: more are not read, and hide the machine. All are in the log. A key
+        that is held and refused would fill the memory with one sentence.
         """
         now_s, said = time.monotonic(), plain(message)
-        self._said_until_s = {
-            text: until_s for text, until_s in self._said_until_s.items() if until_s > now_s
-        }
-        if said in self._said_until_s:
+        if said == self._toast and now_s < self._toast_until_s:
             return
-        if len(self._said_until_s) >= _MOST_NOTICES:
-            self.clear_notifications()
-            self._said_until_s.clear()
-        self._said_until_s[said] = now_s + (options.get("timeout") or self.NOTIFICATION_TIMEOUT)
+        self.clear_notifications()
+        self._toast = said
+        self._toast_until_s = now_s + (options.get("timeout") or self.NOTIFICATION_TIMEOUT)
         super().notify(said, title=plain(title), **options)
 
     async def on_event(self, event: events.Event) -> None:
@@ -270,21 +262,6 @@ class FraeseApp(App[None]):
                     self._stopped_s = event.time
         await super().on_event(event)
         self._heard = None
-
-    def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
-        """The palette: every command of the table."""
-        for command in self._keys.commands:
-            yield SystemCommand(
-                command.title,
-                f"Key {command.shown}. {command.help}",
-                self._from_palette(command.action),
-            )
-
-    def _from_palette(self, action: str) -> Callable[[], object]:
-        async def run() -> None:
-            await self.run_action(action, self.view)
-
-        return run
 
     def action_stop_machine(self) -> None:
         """Brake; the second time while it moves, stop; end a look-through. Else the key is free."""
@@ -334,7 +311,10 @@ class FraeseApp(App[None]):
     def _draw(self, state: MachineState) -> None:
         before, self._state = self._state, state
         if state.message != before.message or state.status is not before.status:
-            self.view.say(state.message, "-alarm" if state.status is Status.ERROR else "")
+            failed = state.status is Status.ERROR
+            if state.message and not failed:
+                self._events.add(state.message)
+            self.view.say(state.message, "-alarm" if failed else "")
         self.view.draw(state, self.link.cancelling)
         self._show_on_top()
 
@@ -371,6 +351,7 @@ class FraeseApp(App[None]):
         """The job ended with an error."""
         self.bell()
         title = f"Alarm {message.number}" if message.number else "Error"
+        self._events.add(message.sentence, Kind.ALARM, message.number, message.advice)
         said = f"{message.sentence}\n{message.advice}".rstrip()
         self.notify(said, title=title, severity="error", timeout=10, markup=False)
 

@@ -14,57 +14,15 @@ Rule 5: an axis is zeroed by its capital letter. Where that is another command's
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from enum import Enum
 from itertools import groupby
 from typing import Final
 
+from fraese.ui.keyrows import frame
+from fraese.ui.keyrows.dialogs import AFTER_AXES, BEFORE_AXES
+from fraese.ui.keyrows.row import Area as Area
+from fraese.ui.keyrows.row import Row as Row
 from fraese.ui.shape import AxisShape, Shape
 from fraese.ui.widths import REPEAT_FACTOR, REPEAT_FROM, Width, widths
-
-
-class Area(Enum):
-    """Where a key works: a column of the table."""
-
-    EVERYWHERE = "everywhere"
-    VIEWS = "every view"
-    MACHINE = "the machine's view"
-    GO_TO = "go to"
-    REFERENCE = "reference"
-    OPEN = "open a program"
-    RESUME = "go on with a program"
-    CRASH = "after a crash"
-    ASK = "the job asks"
-    SWITCHES = "switch test"
-    HELP = "help"
-
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """One row of the table.
-
-    Attributes:
-        area: where it works.
-        keys: as Textual names them, comma-separated; empty: what has the focus deals with it.
-        shown: the key for people.
-        action: of the screen, or with ``app.`` of the app.
-        title: in the palette and in the list of commands.
-        help: a sentence for the help screen.
-        group: heading in the help screen; empty: it is no command.
-        footer: word for the footer; empty: not there.
-        hint: words in a dialog's line of keys; empty: not there.
-        priority: comes before whatever has the focus.
-    """
-
-    area: Area
-    keys: str
-    shown: str
-    action: str
-    title: str = ""
-    help: str = ""
-    group: str = ""
-    footer: str = ""
-    hint: str = ""
-    priority: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,8 +118,8 @@ _REST: Final = (
         "Write what happens to the log file, or stop writing.", "Machine",
     ),
     Row(
-        Area.VIEWS, "question_mark,f1", "?", "help", "Help",
-        "This page; also F1.", "Machine", "Help",
+        Area.VIEWS, "question_mark,f1", "F1", "help", "Help",
+        "This page; also ?.", "Machine", "Help",
     ),
 )  # fmt: skip
 
@@ -216,46 +174,8 @@ _SCROLLING: Final = (
 PALETTE: Final = Row(Area.EVERYWHERE, "ctrl+p", "^p", "app.command_palette")
 
 
-def _back(area: Area, hint: str = "back") -> Row:
-    return Row(area, "escape", "Esc", "back", hint=hint)
-
-
-#: Keys of dialogs and pages, in the order of their hints; the boxes of the axes come in between.
-_BEFORE_AXES: Final = (
-    Row(Area.GO_TO, "", "Enter", "accept", hint="go"),
-    Row(Area.GO_TO, "up", "↑", "counted_from(-1)", hint="counted from"),
-    Row(Area.GO_TO, "down", "↓", "counted_from(1)", hint="counted from"),
-    _back(Area.GO_TO),
-    Row(Area.OPEN, "", "Enter", "accept", hint="open"),
-    Row(Area.OPEN, "", "Tab", "", hint="to the files"),
-    _back(Area.OPEN),
-    Row(Area.RESUME, "enter", "Enter", "accept", hint="go on", priority=True),
-    Row(Area.RESUME, "up", "↑", "earlier(1)", hint="a move earlier, later"),
-    Row(Area.RESUME, "down", "↓", "earlier(-1)", hint="a move earlier, later"),
-    Row(Area.RESUME, "left", "←", "earlier(10)", hint="ten"),
-    Row(Area.RESUME, "right", "→", "earlier(-10)", hint="ten"),
-    Row(Area.RESUME, "pageup", "PgUp", "scroll(-1)", hint="scroll"),
-    Row(Area.RESUME, "pagedown", "PgDn", "scroll(1)", hint="scroll"),
-    _back(Area.RESUME),
-    Row(Area.CRASH, "enter", "Enter", "accept", hint="reference again", priority=True),
-    Row(Area.CRASH, "l", "l", "as_left", hint="as it was left"),
-    _back(Area.CRASH, "decide later"),
-    Row(Area.ASK, "enter,space", "Enter", "accept", hint="go on", priority=True),
-    _back(Area.ASK, "stop the job"),
-    Row(Area.SWITCHES, "p", "p", "press", hint="press, let go (simulated)"),
-    Row(Area.SWITCHES, "up", "↑", "step(-1)", hint="ask for another one"),
-    Row(Area.SWITCHES, "down", "↓", "step(1)", hint="ask for another one"),
-    _back(Area.SWITCHES),
-    _back(Area.HELP),
-    Row(Area.HELP, "question_mark,f1,q", "?", "back"),
-    Row(Area.REFERENCE, "enter", "Enter", "accept", hint="go", priority=True),
-)
-_AFTER_AXES: Final = (
-    Row(Area.REFERENCE, "m", "m", "tick('measure')", hint="choose"),
-    _back(Area.REFERENCE),
-)
 _FIXED: Final = (*_STOP, _QUIT, *_GOING, *_REST, *_AFTERWARDS, *_OVERRIDES, *_SCROLLING)
-GROUPS: Final = ("Stop", "Jog", "Position", "Program", "Display", "Machine")
+GROUPS: Final = ("Stop", "Views", "Jog", "Position", "Program", "Display", "Log", "Machine")
 STOP_KEYS: Final = frozenset(
     key for row in _FIXED if row.action == "app.stop_machine" for key in row.keys.split(",")
 )
@@ -342,14 +262,17 @@ class KeyTable:
 
     Args:
         shape: its axes and steps.
+        views: names of those that there are.
 
     Attributes:
+        views: the rows of the views, by name.
         listed: commands in the order in which the list of commands shows them, column by column.
         commands: these and those that are only in the help and the palette.
         rows: these and the keys of dialogs and pages.
     """
 
-    def __init__(self, shape: Shape) -> None:
+    def __init__(self, shape: Shape, views: Iterable[str] = tuple(frame.VIEW_ROWS)) -> None:
+        self.views = {name: frame.VIEW_ROWS[name] for name in views if name in frame.VIEW_ROWS}
         self.listed = (
             *_STOP,
             *_jog_rows(shape.axes, upright=True),
@@ -361,9 +284,18 @@ class KeyTable:
         )
         # The widths have a line of their own, the path is in another picture.
         steps = (_set_width(number, width) for number, width in enumerate(widths(shape), start=1))
-        self.commands = (*self.listed, *_AFTERWARDS, *_OVERRIDES, *steps, *_SCROLLING)
+        self.commands = (
+            *self.listed,
+            *self.views.values(),
+            *frame.AROUND,
+            *_AFTERWARDS,
+            *_OVERRIDES,
+            *steps,
+            *_SCROLLING,
+            *frame.LOG,
+        )
         boxes = (_choose(axis) for axis in shape.axes)
-        self.rows = (*self.commands, *_BEFORE_AXES, *boxes, *_AFTER_AXES)
+        self.rows = (*self.commands, *BEFORE_AXES, *boxes, *AFTER_AXES)
         self._step_word = shape.step_word
 
     def of(self, *areas: Area) -> Iterable[Row]:

@@ -129,7 +129,7 @@ def test_bad_target_is_said_and_nothing_moves() -> None:
             await b.settled()
             assert "further than its whole travel" in b.text("#message")
             assert b.moved_steps == (0, 0, 0)
-            assert b.text("#word") == "OK"
+            assert b.text("#word") == "NOT REFERENCED"
 
     play(scene)
 
@@ -269,7 +269,7 @@ def test_stop_ends_a_hold() -> None:
             await b.wait(lambda: b.text("#word") == "HOLD")
             await b.press("escape")
             await b.settled()
-            assert b.text("#word") == "OK"
+            assert b.text("#word") == "NOT REFERENCED"
             await b.press("4")
             before = b.moved_steps[0]
             await b.jog("right")
@@ -283,7 +283,7 @@ def test_contact_is_an_error_until_acknowledged() -> None:
         async with bench() as b:
             b.mill.mill.place(0, 300 * 200 - 100)
             await b.jog("right")
-            assert b.text("#word") == "ERROR"
+            assert b.text("#word") == "ALARM xmax"
             assert b.text("#switch") == "switch xmax"
             assert "Press Enter" in b.text("#job")
             assert "End switch xmax closed" in b.text("#message")
@@ -297,7 +297,7 @@ def test_contact_is_an_error_until_acknowledged() -> None:
             assert b.mill.look().carriages_steps == stood
             await b.press("enter")
             await b.settled()
-            assert b.text("#word") == "OK"
+            assert b.text("#word") == "SWITCH CLOSED"
             await b.jog("right")
             assert "is closed" in b.text("#message")
             assert b.mill.look().carriages_steps == stood

@@ -48,9 +48,9 @@ def test_a_program_is_opened_shown_and_run() -> None:
             assert path.scroll_offset.y > 0
             assert "line" in b.text("#job")
             assert "%" in b.text("#job")
-            assert b.text("#word") == "RUN"
+            assert b.text("#word") == "MOVING"
             await b.settled()
-            assert b.text("#word") == "OK"
+            assert b.text("#word") == "NOT REFERENCED"
             assert program.started == 1
             assert b.moved_steps == (0, 0, 0)
             assert b.text("#job") == ""

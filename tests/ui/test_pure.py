@@ -1,14 +1,18 @@
 """The parts of the UI that need no screen."""
 
+from dataclasses import replace
+
 import pytest
 
+from fraese.alarms import END_SWITCH
 from fraese.control.state import MachineState, Status, three_decimals
 from fraese.control.switchtest import SwitchTest
 from fraese.ui.feed import StateFeed
 from fraese.ui.jogging import Jog
 from fraese.ui.keys import GROUPS, KeyTable
 from fraese.ui.shape import AxisShape, Shape
-from fraese.ui.widgets.status import clock_words, lost_words, status_word, switch_words
+from fraese.ui.widgets.statebar import Seen, seen
+from fraese.ui.widgets.status import clock_words, lost_words, switch_words
 from fraese.ui.widths import RepeatRule, widths
 
 AXES = ("x", "y", "z")
@@ -54,7 +58,7 @@ def test_only_another_key_resets_the_repeat_rule(other: str) -> None:
 
 def test_every_command_has_its_own_keys_and_a_group() -> None:
     commands = KeyTable(MILL).commands
-    keys = [key for command in commands for key in command.keys.split(",")]
+    keys = [(row.area, key) for row in commands for key in row.keys.split(",")]
     assert len(keys) == len(set(keys))
     assert {command.group for command in commands} == set(GROUPS)
     assert all(command.help.endswith(".") for command in commands)
@@ -96,11 +100,27 @@ def test_words() -> None:
     both = state(switch_closed=True, ends=("xmax", "ymin"))
     assert switch_words(both) == "switch xmax or ymin?"
     run = {"status": Status.RUN}
-    assert status_word(state(**run), False) == "RUN"
-    assert status_word(state(held=True, **run), False) == "HOLD"
-    assert status_word(state(question="Change the tool.", **run), False) == "WAIT"
-    assert status_word(state(held=True, **run), True) == "CANCEL"
-    assert status_word(state(held=True), True) == "OK"
+    known = {"referenced": (True,) * 3}
+    assert seen(state(**run), False) == Seen("MOVING", "-run", "NOT REFERENCED X Y Z: no limits")
+    assert seen(state(**run, **known), False) == Seen("MOVING", "-run")
+    assert seen(state(held=True, **run), False).word == "HOLD"
+    assert seen(state(question="Change the tool.", **run), False).word == "WAIT"
+    assert seen(state(held=True, **run), True).word == "STOPPING"
+    assert seen(state(held=True), True) == Seen("NOT REFERENCED", "-warn", "X Y Z: no limits")
+    assert seen(state(**known), False) == Seen("READY", "-good")
+
+
+def test_a_closed_switch_is_loud_whatever_the_machine_does() -> None:
+    """Nobody is told that all is well while a contact is closed."""
+    closed = state(switch_closed=True, ends=("xmax",), referenced=(True,) * 3)
+    assert seen(closed, False) == Seen("SWITCH CLOSED", "-alarm", "xmax")
+    moving = replace(closed, status=Status.RUN)
+    assert seen(moving, False) == Seen("MOVING", "-run", "SWITCH CLOSED xmax")
+    two = replace(closed, ends=("xmax", "ymin"))
+    assert seen(two, False).beside == "xmax or ymin?"
+    alarm = replace(closed, status=Status.ERROR, alarm=END_SWITCH)
+    assert seen(alarm, False) == Seen("ALARM xmax", "-alarm", "alarm 10")
+    assert seen(state(status=Status.ERROR), False).word == "ERROR"
 
 
 def test_lost_steps_in_words() -> None:

@@ -1,10 +1,9 @@
-"""The views: one row each. The first is there at the start."""
+"""The views, in the order in which they follow each other; the first is there at the start."""
 
 from typing import Final
 
+from fraese.ui.views.log import LogView
 from fraese.ui.views.machine import MachineView
 from fraese.ui.views.view import View
 
-VIEWS: Final[dict[str, type[View]]] = {
-    "machine": MachineView,
-}
+VIEWS: Final[dict[str, type[View]]] = {view.NAME: view for view in (MachineView, LogView)}

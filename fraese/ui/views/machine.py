@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from textual.app import ComposeResult
-from textual.containers import Container
-from textual.widgets import Footer
+from textual.containers import Container, Horizontal
 
 from fraese.control.controller import Controller
 from fraese.control.state import MachineState
@@ -27,9 +26,10 @@ from fraese.ui.programs import Facts, Look, Program, in_words
 from fraese.ui.views.afterfaults import AfterFaults
 from fraese.ui.views.view import BUSY, Desk
 from fraese.ui.widgets.commands import CommandList
+from fraese.ui.widgets.fact import Fact
 from fraese.ui.widgets.path import PathView
 from fraese.ui.widgets.position import PositionPanel
-from fraese.ui.widgets.status import JobLine, MessageLine, StatusPanel, WidthBar
+from fraese.ui.widgets.status import JobLine, WidthBar
 from fraese.ui.widths import FIRST_WIDTH, widths
 
 PICTURES: Final = ("commands", "position", "path")
@@ -41,8 +41,7 @@ class MachineView(AfterFaults):
     """Position, status, commands and path; jogs, goes, references, zeroes, runs programs."""
 
     AREA = Area.MACHINE
-    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (140, "-wide")]  # noqa: RUF012
-    VERTICAL_BREAKPOINTS = [(0, "-low"), (28, "-high"), (36, "-higher"), (45, "-tall")]  # noqa: RUF012
+    NAME = "move"
 
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk)
@@ -54,25 +53,24 @@ class MachineView(AfterFaults):
         self._last_go_to: GoTo | None = None
         # What became of the loaded program's file, as far as it was told.
         self._told = ""
-        self._status = StatusPanel(desk.machine_name)
+        self._program = Fact("no program", id="program")
         self._position = PositionPanel(shape)
         width_keys = [row for row in keys.commands if row.action.startswith("set_width")]
         self._widths = WidthBar(self._choice, width_keys)
         self._path = PathView()
         self._job = JobLine()
-        self._message = MessageLine(id="message")
 
-    def compose(self) -> ComposeResult:
+    def inner(self) -> ComposeResult:
         """Top to bottom."""
-        yield self._status
         with Container(id="body"):
             yield self._position
             yield self._path
         yield self._widths
         yield CommandList(self.desk.keys.listed)
-        yield self._job
-        yield self._message
-        yield Footer(compact=True)
+        with Horizontal(id="job-line"):
+            yield self._job
+            yield Fact(self.desk.machine_name, id="title")
+            yield self._program
 
     def on_mount(self) -> None:
         """What was given at the start."""
@@ -80,10 +78,6 @@ class MachineView(AfterFaults):
         if self.desk.programs.path is not None:
             self._load(self.desk.programs.path)
         self.offer_position()
-
-    def on_resize(self) -> None:
-        """Gauges and bars are as long as there is room."""
-        self.call_after_refresh(self._show_again)
 
     # --- what is shown ---------------------------------------------------------------------------
 
@@ -99,22 +93,13 @@ class MachineView(AfterFaults):
         # What was hidden has not been kept up to date.
         self.call_after_refresh(self._show_again)
 
-    def _show_again(self) -> None:
-        self.show(self.state, self._stopping)
-
-    def show(self, state: MachineState, stopping: bool) -> None:
+    def show_inner(self, state: MachineState) -> None:
         """Draw what changed."""
-        self._status.show(state, stopping)
-        self.set_class(self._status.tells_of_lost_steps, "-lost")
         self._position.show(state)
         self._job.show_job(state)
         if self._path.display:
             in_program = state.job is not None and state.job.lines > 0
             self._path.mark(state.job.line if state.job and in_program else 0)
-
-    def show_said(self, text: str, tone: str) -> None:
-        """Put this into the message line."""
-        self._message.show(text, tone)
 
     def action_picture(self) -> None:
         """The next of the three."""
@@ -251,7 +236,7 @@ class MachineView(AfterFaults):
         """This one is loaded now, and shown."""
         self.desk.programs.put(path, program)
         self._told = ""
-        self._status.show_program(program.name)
+        self._program.show(program.name)
         self._path.load(program.lines)
         self.show_picture("path")
 

@@ -1,31 +1,44 @@
 """What all views have in common.
 
+    state, in a word over the full width
+    facts: position, offset, switch, speed          (MachineView shows the position itself)
+    ... what the view is for ...                    ``inner``
+    the last message
+    keys: stop, hold, views
+
 A view is a screen that owns its actions and its widgets. It is one class, one row in the table of
-views, and an area of the key table.
+views, one row among the keys that lead to views, and an area of the key table.
 """
 
 from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Final
 
-from textual.binding import ActiveBinding
+from textual.app import ComposeResult
 from textual.screen import Screen
 
 from fraese.control.state import CutShort, MachineState, Status
 from fraese.errors import FraeseError
 from fraese.ui.bindings import bind
 from fraese.ui.dialogs.switches import Hand
+from fraese.ui.eventlog import EventLog, Kind
 from fraese.ui.keys import Area, KeyTable, said
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.programs import ProgramDesk
 from fraese.ui.themes import DARK, LIGHT
+from fraese.ui.widgets.keybar import KeyBar
 from fraese.ui.widgets.links import Link
+from fraese.ui.widgets.statebar import Top
+from fraese.ui.widgets.status import MessageLine
 from fraese.ui.widths import RepeatRule
 
 BUSY: Final = (
     f"The machine runs: stop it ({said('app.stop_machine')}) or wait for the end of the job;"
     " nothing was done."
 )
+
+#: Actions whose keys are shown behind the stop key however narrow the screen is.
+_FIRST_KEYS: Final = ("hold", "help")
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +52,7 @@ class Desk:
         programs: what is loaded.
         machine_name: such as "simulated mill"; may be empty.
         hand: presses (True) and lets go of an end switch where the machine is simulated.
+        events: what has happened.
     """
 
     link: MachineLink
@@ -47,6 +61,7 @@ class Desk:
     programs: ProgramDesk
     machine_name: str
     hand: Hand | None
+    events: EventLog
 
 
 class View(Screen[None]):
@@ -57,6 +72,12 @@ class View(Screen[None]):
     """
 
     AREA: Area
+    #: Name in the table of views.
+    NAME: str
+    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (140, "-wide")]  # noqa: RUF012
+    VERTICAL_BREAKPOINTS = [  # noqa: RUF012
+        (0, "-flat"), (22, "-low"), (28, "-high"), (36, "-higher"), (45, "-tall"),
+    ]  # fmt: skip
 
     def __init__(self, desk: Desk) -> None:
         super().__init__()
@@ -66,14 +87,26 @@ class View(Screen[None]):
         self._said = ("", "")
         # Which program that was cut short was told of last.
         self._told_of: CutShort | None = None
+        self._top = Top(desk.link.shape)
+        self._message = MessageLine(id="message")
+        keys = [row for row in desk.keys.of(Area.VIEWS, self.AREA) if row.footer]
+        views = desk.keys.views
+        first = [row for row in keys if row.action in _FIRST_KEYS]
+        more = [row for row in keys if row not in (*first, *views.values())]
+        stop = list(desk.keys.of(Area.EVERYWHERE))[:1]
+        self._bar = KeyBar([*stop, *first], views, more, self.NAME)
         bind(self, desk.keys.of(Area.VIEWS, self.AREA))
 
-    @property
-    def active_bindings(self) -> dict[str, ActiveBinding]:
-        """In the order of the table, which is the footer's."""
-        found = super().active_bindings
-        order = [key for row in self.desk.keys.rows for key in row.keys.split(",") if key in found]
-        return {key: found[key] for key in dict.fromkeys([*order, *found])}
+    def compose(self) -> ComposeResult:
+        """The frame, and what the view is for."""
+        yield self._top
+        yield from self.inner()
+        yield self._message
+        yield self._bar
+
+    @abstractmethod
+    def inner(self) -> ComposeResult:
+        """What the view is for."""
 
     def draw(self, state: MachineState, stopping: bool) -> None:
         """Remember and show how the machine stands.
@@ -111,21 +144,47 @@ class View(Screen[None]):
         if self.is_mounted:
             self.show_said(text, tone)
 
-    @abstractmethod
+    @property
+    def said(self) -> tuple[str, str]:
+        """The last message, and its tone."""
+        return self._said
+
     def show(self, state: MachineState, stopping: bool) -> None:
         """Draw what changed."""
+        self._top.show(state, stopping)
+        self.set_class(self._top.tells_of_lost_steps, "-lost")
+        self.show_inner(state)
 
     @abstractmethod
+    def show_inner(self, state: MachineState) -> None:
+        """Draw what changed in what the view is for."""
+
+    def take_over(self, before: "View") -> None:
+        """Show what the view that was seen before this one knows."""
+        self.say(*before._said)
+        self._told_of = before._told_of
+        self.draw(before.state, before._stopping)
+
     def show_said(self, text: str, tone: str) -> None:
-        """Draw the last message."""
+        """Put this into the message line."""
+        self._message.show(text, tone)
+
+    def on_resize(self) -> None:
+        """Gauges and bars are as long as there is room."""
+        self.call_after_refresh(self._show_again)
+
+    def _show_again(self) -> None:
+        self.show(self.state, self._stopping)
 
     def refuse(self, sentence: str) -> None:
         """Say why something was not done."""
+        self.desk.events.add(sentence, Kind.WARNING)
         self.say(sentence, "-warn")
         self.notify(sentence, severity="warning", timeout=5, markup=False)
 
     def note(self, sentence: str, warning: bool = False) -> None:
         """Say something that is good to know."""
+        self.desk.events.add(sentence, Kind.WARNING if warning else Kind.SAID)
         self.say(sentence, "-warn" if warning else "")
         if warning:
             self.notify(sentence, severity="warning", timeout=8, markup=False)

@@ -1,31 +1,15 @@
-"""State, switch, motors, log, width; the job in hand; the last message."""
+"""Words for facts; the jog widths; the job in hand; the last message."""
 
 from collections.abc import Sequence
 
 from textual.app import ComposeResult
-from textual.containers import Horizontal, Vertical
+from textual.containers import Horizontal
 
 from fraese.control.state import JobProgress, MachineState, Status
 from fraese.ui.keys import Row, said
 from fraese.ui.widgets.fact import Fact
 from fraese.ui.widgets.links import Link
 from fraese.ui.widths import Width
-
-_TONES = {
-    "OK": "-good", "RUN": "-run", "HOLD": "-warn", "WAIT": "-warn", "CANCEL": "-warn",
-    "ERROR": "-alarm",
-}  # fmt: skip
-
-
-def status_word(state: MachineState, stopping: bool) -> str:
-    """OK, RUN, CANCEL, ERROR; HOLD and WAIT where a running job stands."""
-    if state.status is not Status.RUN:
-        return str(state.status.value)
-    if stopping:
-        return "CANCEL"
-    if state.question:
-        return "WAIT"
-    return "HOLD" if state.held else "RUN"
 
 
 def switch_words(state: MachineState) -> str:
@@ -53,74 +37,6 @@ def clock_words(seconds: float) -> str:
     minutes, rest = divmod(int(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
-
-
-class StatusPanel(Vertical):
-    """Two lines: who and what is loaded; how the machine stands. A third where steps were lost.
-
-    Args:
-        machine_name: which machine is driven, such as "simulated mill"; may be empty.
-    """
-
-    def __init__(self, machine_name: str) -> None:
-        super().__init__(id="status")
-        self._title = Fact("fraese" + (f" · {machine_name}" if machine_name else ""), id="title")
-        self._program = Fact("no program", id="program")
-        self._word = Fact("OK", id="word")
-        self._switch = Fact("switch open", id="switch")
-        self._ignored = Fact("", id="ignored")
-        self._feed = Fact("", id="feed")
-        self._motors = Fact("", id="motors")
-        self._log = Fact("", id="log")
-        self._lost = Fact("", id="lost")
-
-    def compose(self) -> ComposeResult:
-        """The lines."""
-        with Horizontal():
-            yield self._title
-            yield self._program
-        with Horizontal():
-            yield self._word
-            yield self._switch
-            yield self._ignored
-            yield self._feed
-            yield self._motors
-            yield self._log
-        yield self._lost
-
-    @property
-    def tells_of_lost_steps(self) -> bool:
-        """There is a third line."""
-        return bool(self._lost.text)
-
-    def show_program(self, name: str) -> None:
-        """This program is loaded."""
-        self._program.show(name)
-
-    def show(self, state: MachineState, stopping: bool) -> None:
-        """Draw what changed.
-
-        Args:
-            state: how the machine stands.
-            stopping: the operator has pressed stop and it still moves.
-        """
-        word = status_word(state, stopping)
-        self._word.show(word, _TONES[word])
-        self._switch.show(switch_words(state), "-alarm" if state.switch_closed else "-weak")
-        self._ignored.show(
-            "SWITCHES IGNORED" if state.switch_ignored else "",
-            "-alarm" if state.switch_ignored else "",
-        )
-        moving = state.running and state.speed_mm_min > 0
-        speed = f"{state.speed_mm_min:.0f} {state.speed_unit}/min" if moving else "standing"
-        override = "" if state.override == 1 else f"{state.override:.0%}  "
-        self._feed.show(override + speed)
-        self._motors.show(
-            "motors on" if state.energised else "motors off", "" if state.energised else "-weak"
-        )
-        self._log.show("log on" if state.log_on else "log off", "" if state.log_on else "-weak")
-        lost = lost_words(state)
-        self._lost.show(lost, "-alarm" if lost else "")
 
 
 class WidthBar(Horizontal):

@@ -1,0 +1,50 @@
+"""What a row of the key table is, and in which areas there are rows."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Area(Enum):
+    """Where a key works: a column of the table."""
+
+    EVERYWHERE = "everywhere"
+    VIEWS = "every view"
+    MACHINE = "Move"
+    LOG = "Log"
+    GO_TO = "go to"
+    REFERENCE = "reference"
+    OPEN = "open a program"
+    RESUME = "go on with a program"
+    CRASH = "after a crash"
+    ASK = "the job asks"
+    SWITCHES = "switch test"
+    HELP = "help"
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One row of the table.
+
+    Attributes:
+        area: where it works.
+        keys: as Textual names them, comma-separated; empty: what has the focus deals with it.
+        shown: the key for people.
+        action: of the screen, or with ``app.`` of the app.
+        title: in the palette and in the list of commands.
+        help: a sentence for the help screen.
+        group: heading in the help screen; empty: it is no command.
+        footer: word for the footer; empty: not there.
+        hint: words in a dialog's line of keys; empty: not there.
+        priority: comes before whatever has the focus.
+    """
+
+    area: Area
+    keys: str
+    shown: str
+    action: str
+    title: str = ""
+    help: str = ""
+    group: str = ""
+    footer: str = ""
+    hint: str = ""
+    priority: bool = False

@@ -1,0 +1,61 @@
+"""The views of the app: one at a time, and how the palette finds the one that a command is of."""
+
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from typing import Any
+
+from textual.app import App, SystemCommand
+from textual.screen import Screen
+
+from fraese.ui.keys import Area, KeyTable
+from fraese.ui.views.view import Desk, View
+
+
+class ViewedApp(App[None]):
+    """An app whose modes are views."""
+
+    _keys: KeyTable
+
+    def make_views(self, views: Mapping[str, type[View]], desk: Desk) -> None:
+        """All there are; none is drawn before it is seen."""
+        self._views = {name: view(desk) for name, view in views.items()}
+        for name in views:
+            self.add_mode(name, partial(self._views.__getitem__, name))
+
+    @property
+    def view(self) -> View:
+        """The one that is seen, or that lies below the dialog."""
+        return self._views[self.current_mode]
+
+    async def action_show_view(self, name: str) -> None:
+        """Change to this one; what was said last is said there."""
+        if name == self.current_mode or name not in self._views:
+            return
+        before = self.view
+        await self.switch_mode(name)
+        self.view.take_over(before)
+
+    async def action_next_view(self, by: int) -> None:
+        """The next one, or the one before."""
+        names = list(self._views)
+        at = names.index(self.current_mode)
+        await self.action_show_view(names[(at + by) % len(names)])
+
+    def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
+        """The palette: every command of the table."""
+        for command in self._keys.commands:
+            yield SystemCommand(
+                command.title,
+                f"Key {command.shown}. {command.help}",
+                self._from_palette(command.action, command.area),
+            )
+
+    def _from_palette(self, action: str, area: Area) -> Callable[[], object]:
+        owners = [name for name, view in self._views.items() if view.AREA is area]
+
+        async def run() -> None:
+            if owners and self.current_mode not in owners:
+                await self.action_show_view(owners[0])
+            await self.run_action(action, self.view)
+
+        return run
