@@ -11,6 +11,25 @@ _HOMING: Final = (_T + "test_homing.py",)
 
 MUTANTS: Final = (
     Mutant(
+        "control/jogging: the opposite key waits its turn",
+        "the cutter runs on into the clamp that somebody wanted to turn away from",
+        _C + "jogging.py",
+        "press.motor == hand.motor and way * hand.sign < 0:",
+        "press.motor == hand.motor and way * hand.sign > 1e9:",
+        tests_of(
+            "control/test_jogging.py",
+            "test_the_opposite_key_brakes_at_once_and_then_goes_the_other_way",
+        ),
+    ),
+    Mutant(
+        "control/jogging: presses are left out in silence",
+        "the carriage is elsewhere than the presses say",
+        _C + "jogging.py",
+        "left_out + len(beyond) - 1",
+        "0 * (left_out + len(beyond) - 1)",
+        tests_of("control/test_jogging.py", "test_carriages_agree_with_what_was_pressed"),
+    ),
+    Mutant(
         "control/softlimits: no lower limit",
         "an axis is driven into its end",
         _C + "softlimits.py",

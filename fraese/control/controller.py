@@ -138,11 +138,7 @@ class Controller:
         detour: Detour | None = None,
         note: Note | None = None,
     ) -> None:
-        """Take up a job; ``run`` works it off. See ``RunLoop.start``.
-
-        Raises:
-            StateError: if another one runs, or an error has not been acknowledged.
-        """
+        """Take up a job; ``run`` works it off. See ``RunLoop.start``, also for what it raises."""
         self._loop.start(name, job, lines, expected_s, detour, note)
 
     def run(self) -> Status:
@@ -240,7 +236,7 @@ class Controller:
     @logged
     def jog_steps(self, axis: str, distance_steps: int, *, clamp: bool = False) -> None:
         """The same in steps, with the same refusals."""
-        self._loop.require_ready()
+        self.require_ready()
         where, config, motor = self.position, self.config.jog, self.machine.index(axis)
         target = softlimits.jog_target(where, motor, distance_steps, config.max_mm, clamp=clamp)
         watch = self.switches.watch_for_jog(motor, distance_steps)
@@ -355,9 +351,13 @@ class Controller:
             LimitError: naming axis, target and travel.
             StateError: if the machine is not ready, or stands on a switch.
         """
-        self._loop.require_ready()
+        self.require_ready()
         self.switches.require_open()
         softlimits.require_reachable(self.position, targets)
+
+    def require_ready(self) -> None:
+        """See that a command may be given; then the inputs are known. As ``RunLoop`` has it."""
+        self._loop.require_ready()
 
     # --- facts ---------------------------------------------------------------------------------
 

@@ -5,6 +5,7 @@ yielding one of the classes below; what it gets back is the driver's report at t
 
     report = yield block        taken by the queue (not yet played)
     report = yield STANDSTILL   everything pushed so far has been played
+    ... Standstill(cut=...)     or was braked and dropped, because that said so
     report = yield Ask("...")   the operator has answered
     report = yield TURN         the run loop has been round: who computes for long is no hindrance
 
@@ -21,7 +22,13 @@ from fraese.motor.seams import Report
 
 @dataclass(frozen=True, slots=True)
 class Standstill:
-    """Wait until everything pushed has been played."""
+    """Wait until everything pushed has been played.
+
+    Attributes:
+        cut: brake, and drop what has not been played, as soon as this says so; None: never.
+    """
+
+    cut: Callable[[], bool] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,6 +56,7 @@ class Runner:
         self._resume = False
         self._answered = False
         self._brakes_for_record = False
+        self._cuts = False
 
     # --- from any thread -----------------------------------------------------------------------
 
@@ -115,7 +116,7 @@ class Runner:
         self._queue.begin()
         self._aside = Aside(self._driver, self._queue, detour) if detour is not None else None
         self._job = job
-        self._begun = False
+        self._begun = self._cuts = False
         self.failure = None
 
     def activate(self) -> Status:
@@ -229,6 +230,8 @@ class Runner:
             self._wait = demand
 
     def _is_over(self, wait: Standstill | Ask | Turn) -> bool:
+        if isinstance(wait, Standstill) and wait.cut is not None and (self._cuts or wait.cut()):
+            return self._is_cut()
         if not self._queue.is_fresh or self._queue.report.queued:
             return False
         if isinstance(wait, Ask):
@@ -238,6 +241,17 @@ class Runner:
             if not self._answered:
                 return False
         self.question = ""
+        return True
+
+    def _is_cut(self) -> bool:
+        """Brake, and at rest drop what is left; True: that is done."""
+        begins, self._cuts = not self._cuts, True
+        # Again and again: going on after a hold would have undone it.
+        self._driver.brake()
+        if begins or self._queue.report.running:
+            return False
+        self._cuts = False
+        self._queue.drop()
         return True
 
     def _judge(self, report: Report) -> Status:

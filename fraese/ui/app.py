@@ -9,7 +9,6 @@ Rule 3: however the app ends, the link is closed: the motors are off.
 import asyncio
 import contextlib
 import contextvars
-import gc
 import math
 import os
 import signal
@@ -33,10 +32,12 @@ from fraese.ui.bindings import bind
 from fraese.ui.dialogs.page import LivePage
 from fraese.ui.dialogs.switches import Hand
 from fraese.ui.eventlog import EventLog, Kind
+from fraese.ui.fingers import Fingers
 from fraese.ui.keys import PALETTE, STOP_KEYS, Area, KeyTable
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.messages import Alarmed, Noted, Refused
 from fraese.ui.programs import OpenProgram, ProgramDesk, Resume, nothing_is_kept
+from fraese.ui.settled import freeze
 from fraese.ui.stopkey import EarlyStop, Heard
 from fraese.ui.themes import DARK, LIGHT
 from fraese.ui.viewed import ViewedApp
@@ -104,6 +105,9 @@ class FraeseApp(ViewedApp):
         super().__init__()
         self._keys = KeyTable(self.link.shape, views)
         self._repeats = RepeatRule()
+        self._fingers = Fingers(
+            self._repeats, self.set_timer, self.link.let_go, lambda: self.view.keys_rest()
+        )
         self._notes = tuple(notes)
         self._state = self.link.state()
         self._stopped_s = -math.inf
@@ -132,7 +136,7 @@ class FraeseApp(ViewedApp):
         sys.setswitchinterval(_SWITCH_INTERVAL_S)
         if not self.is_headless:
             self.set_interval(_TERMINAL_SEEN_S, self._see_terminal)
-            self.set_timer(_SETTLED_S, _freeze)
+            self.set_timer(_SETTLED_S, freeze)
         self.link.start()
         for note in self._notes:
             self.view.note(note, warning=True)
@@ -256,7 +260,7 @@ class FraeseApp(ViewedApp):
                 if event.time < self._stopped_s:
                     return
             else:
-                self._repeats.press(event.key)
+                self._fingers.press(event.key, event.time)
                 self._heard = self._early_stop.of(event)
                 if event.key in STOP_KEYS:
                     self._stopped_s = event.time
@@ -310,7 +314,11 @@ class FraeseApp(ViewedApp):
 
     def _draw(self, state: MachineState) -> None:
         before, self._state = self._state, state
-        if state.message != before.message or state.status is not before.status:
+        # A job that begins wipes what was said before; one that ends without a word does not.
+        has_turned = state.status is not before.status and (
+            state.message or state.status is Status.RUN
+        )
+        if state.message != before.message or has_turned:
             failed = state.status is Status.ERROR
             if state.message and not failed:
                 self._events.add(state.message)
@@ -364,13 +372,3 @@ class FraeseApp(ViewedApp):
         """Something to know."""
         self._draw_what_was_before()
         self.view.note(message.sentence, message.warning)
-
-
-def _freeze() -> None:
-    """What will never be garbage is not looked at again.
-
-    A full collection stops all threads meanwhile, the one that hears the stop key too: 170 ms with
-    all objects of the app.
-    """
-    gc.collect()
-    gc.freeze()

@@ -320,7 +320,9 @@ class KeyTable:
         return (
             f"At {self._step_word} width the original's repeat rule holds: presses 1 to"
             f" {REPEAT_FROM - 1} of the same key count single, from the {REPEAT_FROM}st on"
-            " ten-fold; only another key resets it.",
+            " ten-fold; another key or a pause of a second resets it.",
+            "Presses add up while the machine moves. The opposite key brakes and then goes the"
+            " other way; another axis waits its turn.",
             "Nothing here is an emergency stop: that is a switch which cuts the power.",
             "Escape takes a tenth of a second, since longer keys begin like it; inside tmux or"
             " screen more (tmux: set escape-time 0). Ctrl+C takes none.",

@@ -17,7 +17,7 @@ from fraese.control.controller import Controller
 from fraese.control.state import OVERRIDES, MachineState, Status, three_decimals
 from fraese.control.worker import Command, Worker
 from fraese.ui.feed import StateFeed
-from fraese.ui.jogging import Jog, Jogger
+from fraese.ui.jogging import Jogger
 from fraese.ui.messages import Alarmed, Noted, Refused, StateChanged
 from fraese.ui.shape import shape_of
 
@@ -45,7 +45,9 @@ class MachineLink:
         self._post = post
         self._worker = Worker(controller, on_refusal=self._refused, on_idle=self.offer)
         self._feed = StateFeed(lambda: post(StateChanged()))
-        self._jogger = Jogger(controller, self._worker)
+        self._jogger = Jogger(
+            controller, self._worker, lambda said: post(Noted(said)), self._refused
+        )
         self.shape = shape_of(controller)
         self.left_at_start = left_by_crash(controller)
         controller.set_display(self._full_display)
@@ -154,9 +156,18 @@ class MachineLink:
         """The same for what wants the controller."""
         return self.order(lambda: command(self._controller))
 
-    def jog(self, jog: Jog) -> bool:
-        """One press of a jog key."""
-        return self._jogger.press(jog)
+    def jog(self, axis: str, *, steps: int = 0, mm: float = 0.0, held: bool = False) -> bool:
+        """One press of a jog key: so many steps, or mm; ``held``: the key is held down."""
+        return self._jogger.press(axis, steps=steps, mm=mm, held=held)
+
+    def let_go(self) -> None:
+        """A jog key that was held was let go."""
+        self._jogger.let_go()
+
+    @property
+    def jogs_waiting(self) -> tuple[tuple[str, int], ...]:
+        """Names of axes, and how many presses of their jog keys wait, signed."""
+        return self._jogger.waiting
 
     def go_to(
         self,

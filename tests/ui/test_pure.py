@@ -8,7 +8,6 @@ from fraese.alarms import END_SWITCH
 from fraese.control.state import MachineState, Status, three_decimals
 from fraese.control.switchtest import SwitchTest
 from fraese.ui.feed import StateFeed
-from fraese.ui.jogging import Jog
 from fraese.ui.keys import GROUPS, KeyTable
 from fraese.ui.shape import AxisShape, Shape
 from fraese.ui.widgets.statebar import Seen, seen
@@ -83,12 +82,23 @@ def test_feed_keeps_the_latest_and_posts_once() -> None:
     assert len(posts) == 2
 
 
-def test_jogs_of_one_key_merge_up_to_a_bound() -> None:
-    assert Jog("x", steps=1).merged(Jog("x", steps=10), 0.005) == Jog("x", steps=11)
-    assert Jog("x", mm=0.1).merged(Jog("x", mm=0.1), 0.005) == Jog("x", mm=0.2)
-    for other in (Jog("y", steps=1), Jog("x", steps=-1), Jog("x", mm=0.1), Jog("x", steps=200)):
-        assert Jog("x", steps=1).merged(other, 0.005) is None
-    assert Jog("x", mm=10.0).merged(Jog("x", mm=10.0), 0.005) is None
+def test_a_pause_resets_the_repeat_rule_and_only_a_held_key_is_held() -> None:
+    rule, held = RepeatRule(), []
+    for n in range(25):
+        rule.press("right", n * 0.12)
+        held.append(rule.held)
+    assert rule.factor == 10
+    assert not any(held)
+    rule.press("right", 25 * 0.12 + 1)
+    assert rule.factor == 1
+    times = [10.0, 10.4, *(10.4 + n / 30 for n in range(1, 6))]
+    held.clear()
+    for at_s in times:
+        rule.press("right", at_s)
+        held.append(rule.held)
+    assert held == [False, False, False, False, True, True, True]
+    rule.press("left", 10.6)
+    assert not rule.held
 
 
 def test_words() -> None:

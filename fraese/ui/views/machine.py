@@ -20,7 +20,6 @@ from fraese.ui.dialogs.goto import From, GoTo, GoToDialog
 from fraese.ui.dialogs.open import OpenDialog
 from fraese.ui.dialogs.reference import Reference, ReferenceDialog
 from fraese.ui.dialogs.switches import SwitchPage
-from fraese.ui.jogging import Jog
 from fraese.ui.keys import Area, said
 from fraese.ui.programs import Facts, Look, Program, in_words
 from fraese.ui.views.afterfaults import AfterFaults
@@ -96,10 +95,17 @@ class MachineView(AfterFaults):
     def show_inner(self, state: MachineState) -> None:
         """Draw what changed."""
         self._position.show(state)
-        self._job.show_job(state)
+        self._show_job()
         if self._path.display:
             in_program = state.job is not None and state.job.lines > 0
             self._path.mark(state.job.line if state.job and in_program else 0)
+
+    def _show_job(self) -> None:
+        self._job.show_job(self.state, self.desk.link.jogs_waiting)
+
+    def keys_rest(self) -> None:
+        """The next press counts single again."""
+        self._widths.show(self._width, 1)
 
     def action_picture(self) -> None:
         """The next of the three."""
@@ -117,9 +123,10 @@ class MachineView(AfterFaults):
         width_mm = self._choice[self._width].mm
         factor = self.desk.repeats.factor
         self._widths.show(self._width, factor)
-        single = Jog(axis, steps=sign * factor)
-        jog = single if width_mm is None else Jog(axis, mm=sign * width_mm)
-        self.expect(self.desk.link.jog(jog))
+        steps = sign * factor if width_mm is None else 0
+        mm, held = sign * (width_mm or 0.0), self.desk.repeats.held
+        self.expect(self.desk.link.jog(axis, steps=steps, mm=mm, held=held))
+        self._show_job()
 
     def action_width(self, by: int) -> None:
         """The next width, or the one before."""

@@ -176,6 +176,9 @@ class View(Screen[None]):
     def _show_again(self) -> None:
         self.show(self.state, self._stopping)
 
+    def keys_rest(self) -> None:
+        """No key was pressed for a while."""
+
     def refuse(self, sentence: str) -> None:
         """Say why something was not done."""
         self.desk.events.add(sentence, Kind.WARNING)

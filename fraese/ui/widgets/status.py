@@ -39,6 +39,11 @@ def clock_words(seconds: float) -> str:
     return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
 
 
+def waiting_words(waiting: Sequence[tuple[str, int]]) -> str:
+    """Presses of jog keys that wait their turn: X +3, Y −1."""
+    return ", ".join(f"{axis.upper()} {'−' if n < 0 else '+'}{abs(n)}" for axis, n in waiting)
+
+
 class WidthBar(Horizontal):
     """The jog widths to choose from.
 
@@ -87,13 +92,21 @@ class JobLine(Fact):
     def __init__(self) -> None:
         super().__init__(id="job")
 
-    def show_job(self, state: MachineState) -> None:
-        """Draw what changed; empty between jobs."""
+    def show_job(self, state: MachineState, waiting: Sequence[tuple[str, int]] = ()) -> None:
+        """Draw what changed; empty between jobs.
+
+        Args:
+            state: how the machine stands.
+            waiting: axes whose jog keys were pressed, and how often, signed.
+        """
         if state.status is Status.ERROR:
             self.show(f"Press {said('acknowledge')} to acknowledge the error.", "-alarm")
             return
         running = state.status is Status.RUN and state.job is not None
-        self.show(self._words(state.job) if running and state.job else "")
+        words = self._words(state.job) if running and state.job else ""
+        if waiting:
+            words += f"  waiting: {waiting_words(waiting)}"
+        self.show(words.strip())
 
     def _words(self, job: JobProgress) -> str:
         parts = [job.name]
