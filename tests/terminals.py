@@ -12,7 +12,7 @@ import termios
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 PATIENCE_S: Final = 30.0
 
@@ -26,6 +26,7 @@ class Pty:
         environment: of the program.
         size: rows and columns.
         output: what becomes standard output, and error; by default the terminal.
+        popen: what starts it.
 
     Attributes:
         process: the program.
@@ -40,10 +41,11 @@ class Pty:
         *,
         size: tuple[int, int] = (24, 80),
         output: tuple[int | None, int | None] = (None, None),
+        popen: Any = subprocess.Popen,
     ) -> None:
         self.near, far = pty.openpty()
         self.resize(*size)
-        self.process = subprocess.Popen(
+        self.process: subprocess.Popen[bytes] = popen(
             command,
             stdin=far,
             stdout=far if output[0] is None else output[0],

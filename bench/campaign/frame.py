@@ -1,8 +1,10 @@
 """What a kind of fault is, how it is tried, and the row that comes of it."""
 
+import itertools
 import random
 import statistics
 import tempfile
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -135,17 +137,23 @@ def _outcomes(
     kind: Kind, numbers: Iterable[int], seed: int, jobs: int
 ) -> Iterator[tuple[int, Outcome]]:
     """In the order of their numbers, however many are under way at once."""
-    if jobs <= 1:
-        for number in numbers:
-            yield number, attempted(kind, seed, number)
-        return
-    waiting = list(numbers)
+    waiting = iter(numbers)
     with ThreadPoolExecutor(jobs) as pool:
-        while waiting:
-            batch, waiting = waiting[:jobs], waiting[jobs:]
-            yield from zip(
-                batch, pool.map(lambda number: attempted(kind, seed, number), batch), strict=True
-            )
+        under_way = deque(
+            (number, pool.submit(attempted, kind, seed, number))
+            for number in itertools.islice(waiting, jobs)
+        )
+        try:
+            while under_way:
+                number, outcome = under_way.popleft()
+                yield number, outcome.result()
+                under_way.extend(
+                    (number, pool.submit(attempted, kind, seed, number))
+                    for number in itertools.islice(waiting, 1)
+                )
+        finally:
+            # Enough: those that wait are not begun.
+            pool.shutdown(cancel_futures=True)
 
 
 def say(row: Row) -> None:

@@ -17,6 +17,7 @@ from bench.campaign.claims import NO_WIDER_S, claim_of
 from bench.campaign.frame import Attempt, Kind, Outcome
 from bench.campaign.signals import fake_port_missing
 from bench.campaign.wordhost import TOKEN
+from bench.campaign.warm import Warm
 from fraese.motor.realtime.lastwords import SIZE, read
 from tests.rigs.lpt.fakeport import FakePort, writes
 from tests.rigs.lpt.shop import Shop, child_of, is_alive
@@ -41,7 +42,7 @@ def killed(attempt: Attempt) -> Outcome:
     fake.mount("smc", [_TRAVEL_STEPS] * 3)
     seed = str(attempt.random.random())
     port = attempt.random.choice(_PORTS)
-    host = fake.start("bench.campaign.wordhost", port, str(words_at), seed)
+    host = fake.start("bench.campaign.wordhost", port, str(words_at), seed, popen=Warm)
     try:
         assert host.stdout is not None
         child = Path("/proc") / host.stdout.readline().strip()
@@ -73,7 +74,7 @@ def command_killed(shop: Shop, chance: Random) -> int:
 
 def app_killed(shop: Shop, chance: Random) -> int:
     """SIGKILL to the app in a jog; likewise."""
-    terminal = Terminal([sys.executable, "-m", "fraese"], shop.folder, shop.environment)
+    terminal = Terminal([sys.executable, "-m", "fraese"], shop.folder, shop.environment, Warm)
     try:
         terminal.wait_for("palette")
         terminal.press("5", "right")
@@ -92,7 +93,7 @@ def known_to_the_next(kill: Callable[[Shop, Random], int], attempt: Attempt) -> 
 
     The one that drives may come while the step process still brakes, and waits for it.
     """
-    shop, chance = Shop(attempt.folder, attempt.random.choice(_PORTS)), attempt.random
+    shop, chance = Shop(attempt.folder, attempt.random.choice(_PORTS), popen=Warm), attempt.random
     child = kill(shop, chance)
     drives = chance.random() < 0.5
     if not drives or chance.random() < 0.5:
@@ -111,7 +112,7 @@ def known_to_the_next(kill: Callable[[Shop, Random], int], attempt: Attempt) -> 
 
 def words_lost(attempt: Attempt) -> Outcome:
     """The words are lost or damaged: the bounds hold, and nothing narrower is claimed."""
-    shop, chance = Shop(attempt.folder, attempt.random.choice(_PORTS)), attempt.random
+    shop, chance = Shop(attempt.folder, attempt.random.choice(_PORTS), popen=Warm), attempt.random
     child = command_killed(shop, chance)
     killed_ns = time.monotonic_ns()
     shop.fake.wait_for(lambda: not is_alive(child))

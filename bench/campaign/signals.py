@@ -17,6 +17,7 @@ from typing import Final
 
 from bench.campaign.claims import claimed
 from bench.campaign.frame import Attempt, Kind, Outcome
+from bench.campaign.warm import Warm
 from tests.rigs.lpt.fakeport import library, missing
 from tests.rigs.lpt.shop import Shop, child_of, is_alive
 from tests.rigs.lpt.steps import check_motors_off
@@ -78,7 +79,7 @@ def _gone(shop: Shop, *pids: int) -> None:
 
 
 def _begin(attempt: Attempt) -> Shop:
-    return Shop(attempt.folder, attempt.random.choice(_PORTS))
+    return Shop(attempt.folder, attempt.random.choice(_PORTS), popen=Warm)
 
 
 def to_command(number: signal.Signals, attempt: Attempt) -> Outcome:
@@ -114,7 +115,7 @@ def _hang(pid: int) -> int:
 def to_app(number: signal.Signals, attempt: Attempt) -> Outcome:
     """The app gets it, in the middle of a jog."""
     shop = _begin(attempt)
-    terminal = Terminal([sys.executable, "-m", "fraese"], shop.folder, shop.environment)
+    terminal = Terminal([sys.executable, "-m", "fraese"], shop.folder, shop.environment, Warm)
     try:
         terminal.wait_for("palette")
         terminal.press("5", "right")

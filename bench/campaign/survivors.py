@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from bench.campaign.frame import Attempt, Kind, Outcome
+from bench.campaign.warm import Warm
 from fraese.assembly.survivors import KNOWN
 from fraese.motor.bridge.survivor import ask
 from tests.bridge.device import reason_to_skip
@@ -51,7 +52,7 @@ def host_killed(attempt: Attempt) -> Outcome:
 
 def command_killed(attempt: Attempt) -> Outcome:
     """SIGKILL to a command in a program; the next command says where it is."""
-    stack = Stack(attempt.folder)
+    stack = Stack(attempt.folder, popen=Warm)
     with stack.mill:
         (attempt.folder / "long.ngc").write_text(_LONG)
         before = stack.mill.carriages_steps()
@@ -67,10 +68,12 @@ def command_killed(attempt: Attempt) -> Outcome:
 
 def app_killed(attempt: Attempt) -> Outcome:
     """SIGKILL to the app in a jog; the next command says where it is."""
-    stack = Stack(attempt.folder)
+    stack = Stack(attempt.folder, popen=Warm)
     with stack.mill:
         before = stack.mill.carriages_steps()
-        app = Terminal(stack.words(), attempt.folder, {**os.environ, "TERM": "xterm-256color"})
+        app = Terminal(
+            stack.words(), attempt.folder, {**os.environ, "TERM": "xterm-256color"}, Warm
+        )
         try:
             app.wait_for("palette")
             app.press("4", "right", "right", "right")

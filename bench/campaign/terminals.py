@@ -18,6 +18,7 @@ from typing import Final
 
 from bench.campaign.claims import claimed
 from bench.campaign.frame import Attempt, Kind, Outcome
+from bench.campaign.warm import Warm
 from tests.rigs.lpt.fakeport import Event, library, missing
 from tests.rigs.lpt.shop import Shop, child_of, is_alive
 from tests.rigs.lpt.steps import check_motors_off
@@ -89,11 +90,11 @@ def _owed(number: signal.Signals | None, *, by_app: bool) -> tuple[int, ...]:
 
 def on_metal(by_app: bool, number: signal.Signals | None, attempt: Attempt) -> Outcome:
     """App in a jog, or command in a program, on the fake port."""
-    shop = Shop(attempt.folder, attempt.random.choice(("ppdev", "devport")))
+    shop = Shop(attempt.folder, attempt.random.choice(("ppdev", "devport")), popen=Warm)
     with (shop.folder / "fraese.toml").open("a") as file:
         file.write(_JOG)
     words = () if by_app else ("run", "long.ngc")
-    pty = Pty([*_FRAESE, *words], shop.folder, _environment(shop.environment))
+    pty = Pty([*_FRAESE, *words], shop.folder, _environment(shop.environment), popen=Warm)
     try:
         _set_out(pty, by_app)
         shop.fake.wait_for(shop.is_under_way)
@@ -133,7 +134,9 @@ def simulated(by_app: bool, number: signal.Signals | None, attempt: Attempt) -> 
     words = () if by_app else ("run", "long.ngc", "--real-time")
     homes = {f"XDG_{name}_HOME": str(folder / name.lower()) for name in ("CONFIG", "STATE")}
     paths = {"PYTHONPATH": str(Path(__file__).parents[2])}
-    pty = Pty([*_FRAESE, *words], folder, _environment({**os.environ, **homes, **paths}))
+    pty = Pty(
+        [*_FRAESE, *words], folder, _environment({**os.environ, **homes, **paths}), popen=Warm
+    )
     try:
         _set_out(pty, by_app)
         time.sleep(attempt.random.uniform(0.3, _WITHIN_S))

@@ -4,6 +4,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 from fraese.config import Config
 from fraese.config.file import load
@@ -30,13 +31,17 @@ class Stack:
     Args:
         folder: for configuration, state and the serial port.
         settings: the configuration.
+        popen: what starts a process.
 
     Attributes:
         mill: with the firmware.
         device: its serial port.
     """
 
-    def __init__(self, folder: Path, settings: str = SETTINGS) -> None:
+    def __init__(
+        self, folder: Path, settings: str = SETTINGS, popen: Any = subprocess.Popen
+    ) -> None:
+        self._popen = popen
         self._folder = folder
         self._config = folder / "fraese.toml"
         self._config.write_text(settings.format(device=folder / "ttySIM"))
@@ -53,12 +58,13 @@ class Stack:
         return [sys.executable, "-m", "fraese", *words, *place]
 
     def start(self, *words: str) -> "subprocess.Popen[str]":
-        return subprocess.Popen(
+        process: subprocess.Popen[str] = self._popen(
             self.words(*words),
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
         )
+        return process
 
     def run(self, *words: str) -> "subprocess.CompletedProcess[str]":
         with self.start(*words) as process:

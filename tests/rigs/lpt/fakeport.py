@@ -20,7 +20,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from fraese.motor.seams import CONTROL, DATA, STATUS
 
@@ -185,9 +185,9 @@ class FakePort:
         """For a process that is to have this port."""
         return {**os.environ, "LD_PRELOAD": str(library()), "FAKELPT": str(self.path)}
 
-    def start(self, *arguments: str) -> subprocess.Popen[str]:
+    def start(self, *arguments: str, popen: Any = subprocess.Popen) -> subprocess.Popen[str]:
         """Start a Python module that has the port; its output can be read as text."""
-        return subprocess.Popen(
+        process: subprocess.Popen[str] = popen(
             [sys.executable, "-m", *arguments],
             env=self.environment(),
             cwd=ROOT,
@@ -195,6 +195,7 @@ class FakePort:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         )
+        return process
 
     def python(self, *arguments: str, timeout_s: float = 60.0) -> str:
         """Run a Python module that has the port, to its end; what it printed."""

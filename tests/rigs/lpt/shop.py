@@ -126,6 +126,7 @@ class Shop:
         wiring: "smc" or "x4step".
         travel_mm: of each axis.
         lead_s: motion that is kept in the driver's queue.
+        popen: what starts a process.
 
     Attributes:
         fake: the port, with a machine on it.
@@ -138,7 +139,9 @@ class Shop:
         wiring: str = "smc",
         travel_mm: int = LONG_MM,
         lead_s: float = 0.3,
+        popen: Any = subprocess.Popen,
     ) -> None:
+        self._popen = popen
         _furnish(folder, port, wiring, travel_mm, lead_s)
         self.folder = folder
         self.fake = FakePort(folder)
@@ -157,7 +160,7 @@ class Shop:
 
     def start(self, *words: object) -> "subprocess.Popen[str]":
         """Type a command."""
-        return subprocess.Popen(
+        process: subprocess.Popen[str] = self._popen(
             [sys.executable, "-m", "fraese", *map(str, words)],
             env=self.environment,
             cwd=self.folder,
@@ -166,6 +169,7 @@ class Shop:
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
         )
+        return process
 
     def command(self, *words: object) -> Answer:
         """Type a command and wait for its end."""

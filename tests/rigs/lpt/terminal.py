@@ -10,7 +10,7 @@ import termios
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 _ROWS: Final = 40
 _COLUMNS: Final = 120
@@ -27,17 +27,22 @@ class Terminal:
         command: the program and its arguments.
         folder: where it is started.
         environment: of the program.
+        popen: what starts it.
 
     Attributes:
         process: the program.
     """
 
     def __init__(
-        self, command: Sequence[str], folder: Path, environment: Mapping[str, str]
+        self,
+        command: Sequence[str],
+        folder: Path,
+        environment: Mapping[str, str],
+        popen: Any = subprocess.Popen,
     ) -> None:
         self._near, far = pty.openpty()
         fcntl.ioctl(far, termios.TIOCSWINSZ, struct.pack("HHHH", _ROWS, _COLUMNS, 0, 0))
-        self.process = subprocess.Popen(
+        self.process: subprocess.Popen[bytes] = popen(
             command,
             stdin=far,
             stdout=far,
