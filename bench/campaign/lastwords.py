@@ -16,8 +16,8 @@ from typing import Final
 from bench.campaign.claims import NO_WIDER_S, claim_of
 from bench.campaign.frame import Attempt, Kind, Outcome
 from bench.campaign.signals import fake_port_missing
-from bench.campaign.wordhost import TOKEN
 from bench.campaign.warm import Warm
+from bench.campaign.wordhost import TOKEN
 from fraese.motor.realtime.lastwords import SIZE, read
 from tests.rigs.lpt.fakeport import FakePort, writes
 from tests.rigs.lpt.shop import Shop, child_of, is_alive

@@ -1,4 +1,4 @@
-"""Processes that begin at once: ``popen`` as of ``subprocess``, without the time of Python's imports.
+"""Processes that begin at once: like ``subprocess.Popen``, without the time of Python's imports.
 
 Most of an attempt's time was the start of two or three Pythons, and no fault is injected there. The
 step process is started by its program as always.

@@ -32,7 +32,7 @@ _NOT: Final = ("__main__", ".lookthrough", ".bareloop")
 _MOST_BYTES: Final = 200_000
 _HIGHEST_FD: Final = 512
 #: What a shell ignores for what it runs in the background.
-_AS_IN_FRONT: Final = {
+_AS_IN_FRONT: Final[dict[int, Any]] = {
     signal.SIGINT: signal.default_int_handler,
     signal.SIGQUIT: signal.SIG_DFL,
     signal.SIGHUP: signal.SIG_DFL,

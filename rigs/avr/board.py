@@ -18,6 +18,7 @@ input its pull-up's, or low. Its rules:
 """
 
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -78,6 +79,10 @@ def decode(events: Events, board: Board = UNO) -> Accesses:
     return Decoder(board).decode(events)
 
 
+#: By kind of event: it is about a pin, or a reset.
+_OF_PINS: Final[Flags] = np.array([chr(kind) in LATCHES + "R" for kind in range(256)])
+
+
 @dataclass(slots=True)
 class Decoder:
     """Decodes a log piece by piece; keeps what it needs to go on.
@@ -101,9 +106,12 @@ class Decoder:
         Returns:
             An array of `ACCESS`.
         """
-        events = events[np.isin(events["kind"], [ord(name) for name in LATCHES + "R"])]
-        if self._kept is not None:
+        events = events[_OF_PINS[events["kind"]]]
+        if self._kept is not None and len(self._kept):
             events = np.concatenate([self._kept, events])
+        if not len(events):
+            # Most pieces are of a moment in which no pin is written.
+            return np.zeros(0, ACCESS)
         split = len(events) if until_cycle is None else _complete(events, until_cycle)
         self._kept = events[split:]
         return self._decoded(events[:split])

@@ -191,7 +191,7 @@ class Avr:
             count = self._lib.sim_take(self._sim, room.ctypes.data, TAKE_ROOM)
             parts.append(room[:count])
             if count < TAKE_ROOM:
-                return np.concatenate(parts)
+                return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     def set_host_baud(self, baud: float | None) -> None:
         """The host's baud rate, where it is not the firmware's; None: it follows the firmware."""

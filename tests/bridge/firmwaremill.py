@@ -77,7 +77,8 @@ class Chip:
 
     def _replay(self) -> None:
         events = self.avr.take_log()
-        if not len(events) and self._decoder._kept is None:
+        kept = self._decoder._kept
+        if not len(events) and (kept is None or not len(kept)):
             return
         port = self.twin.port
         write = {DATA: port.write_data, CONTROL: port.write_control}
