@@ -4,7 +4,6 @@ import itertools
 import random
 import statistics
 import tempfile
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -114,46 +113,68 @@ def attempted(kind: Kind, seed: int, number: int) -> Outcome:
             return Outcome(unaccounted=1, note=f"{type(error).__name__}: {error}")
 
 
+class Tally:
+    """What came of the attempts of a kind so far.
+
+    Args:
+        kind: which.
+        seed: of all chance.
+        jobs: attempts at once.
+    """
+
+    def __init__(self, kind: Kind, seed: int = 1, jobs: int = 1) -> None:
+        self.kind = kind
+        self._seed, self._jobs = seed, 1 if kind.alone else jobs
+        self._next = itertools.count()
+        self.done = 0
+        self._unaccounted = 0
+        self._figures: list[float] = []
+        self._complaints: list[tuple[int, str]] = []
+
+    def go_on(self, tries: int) -> None:
+        """Attempts until so many more were no miss; at most twice as many as that."""
+        until, numbers = self.done + tries, itertools.islice(self._next, 2 * tries)
+        while self.done < until:
+            # Never more at once than are still wanted: none is made in vain.
+            batch = list(itertools.islice(numbers, until - self.done))
+            if not batch:
+                return
+            for number, outcome in _outcomes(self.kind, batch, self._seed, self._jobs):
+                self._take(number, outcome)
+
+    def _take(self, number: int, outcome: Outcome) -> None:
+        if not outcome.missed:
+            self.done += 1
+            self._unaccounted += bool(outcome.unaccounted)
+            self._figures += [] if outcome.figure is None else [outcome.figure]
+        if outcome.unaccounted:
+            self._complaints.append((number, f"{outcome.unaccounted} ({outcome.note})"))
+
+    @property
+    def row(self) -> Row:
+        """For the table."""
+        return Row(self.kind, self.done, self._unaccounted, self._figures, self._complaints)
+
+
 def campaign(kind: Kind, tries: int, seed: int = 1, jobs: int = 1) -> Row:
     """Attempts until so many were no miss; at most twice as many as that."""
-    done, missed, unaccounted = 0, 0, 0
-    figures: list[float] = []
-    complaints: list[tuple[int, str]] = []
-    for number, outcome in _outcomes(kind, range(2 * tries), seed, 1 if kind.alone else jobs):
-        if outcome.missed:
-            missed += 1
-        else:
-            done += 1
-            unaccounted += bool(outcome.unaccounted)
-            figures += [] if outcome.figure is None else [outcome.figure]
-        if outcome.unaccounted:
-            complaints.append((number, f"{outcome.unaccounted} ({outcome.note})"))
-        if done == tries:
-            break
-    return Row(kind, done, unaccounted, figures, complaints)
+    tally = Tally(kind, seed, jobs)
+    tally.go_on(tries)
+    return tally.row
 
 
 def _outcomes(
     kind: Kind, numbers: Iterable[int], seed: int, jobs: int
 ) -> Iterator[tuple[int, Outcome]]:
     """In the order of their numbers, however many are under way at once."""
-    waiting = iter(numbers)
+    if jobs <= 1:
+        for number in numbers:
+            yield number, attempted(kind, seed, number)
+        return
     with ThreadPoolExecutor(jobs) as pool:
-        under_way = deque(
-            (number, pool.submit(attempted, kind, seed, number))
-            for number in itertools.islice(waiting, jobs)
-        )
-        try:
-            while under_way:
-                number, outcome = under_way.popleft()
-                yield number, outcome.result()
-                under_way.extend(
-                    (number, pool.submit(attempted, kind, seed, number))
-                    for number in itertools.islice(waiting, 1)
-                )
-        finally:
-            # Enough: those that wait are not begun.
-            pool.shutdown(cancel_futures=True)
+        under_way = [(n, pool.submit(attempted, kind, seed, n)) for n in numbers]
+        for number, outcome in under_way:
+            yield number, outcome.result()
 
 
 def say(row: Row) -> None:

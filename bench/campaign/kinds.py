@@ -2,11 +2,23 @@
 
 from typing import Final
 
-from bench.campaign import bridge, lastwords, signals, survivors, terminals
+from bench.campaign import (
+    bridge,
+    lastwords,
+    lines,
+    signals,
+    surroundings,
+    survivors,
+    switches,
+    terminals,
+)
 from bench.campaign.frame import Kind
 
 KINDS: Final[tuple[Kind, ...]] = (
     *signals.KINDS,
+    *switches.KINDS,
+    *lines.KINDS,
+    *surroundings.KINDS,
     *lastwords.KINDS,
     *survivors.KINDS,
     *terminals.KINDS,

@@ -74,35 +74,37 @@ def judged(shop: Shop, since_ns: int, *, to_the_step: bool) -> Outcome:
     return Outcome(beyond, took_ms, f"claimed {claim}, true {truth_steps}" if beyond else "")
 
 
-def _gone(shop: Shop, *pids: int) -> None:
+def gone(shop: Shop, *pids: int) -> None:
+    """Wait for the ends of these processes."""
     shop.fake.wait_for(lambda: not any(map(is_alive, pids)), timeout_s=2 * LIMIT_S)
 
 
-def _begin(attempt: Attempt) -> Shop:
+def begin(attempt: Attempt) -> Shop:
+    """A machine on a fake port of either kind; its commands begin at once."""
     return Shop(attempt.folder, attempt.random.choice(_PORTS), popen=Warm)
 
 
 def to_command(number: signal.Signals, attempt: Attempt) -> Outcome:
     """The command gets it, in the middle of a move."""
-    shop = _begin(attempt)
+    shop = begin(attempt)
     with shop.begun("run", "long.ngc", "--json") as command:
         child = child_of(command.pid)
         time.sleep(attempt.random.uniform(0, _WITHIN_S))
         at_ns = hit(command.pid, number, attempt.random)
-        _finish(command)
-        _gone(shop, child)
+        finish(command)
+        gone(shop, child)
     return judged(shop, at_ns, to_the_step=True)
 
 
 def to_steps(number: signal.Signals, attempt: Attempt) -> Outcome:
     """The step process gets it."""
-    shop = _begin(attempt)
+    shop = begin(attempt)
     with shop.begun("run", "long.ngc", "--json") as command:
         child = child_of(command.pid)
         time.sleep(attempt.random.uniform(0, _WITHIN_S))
         at_ns = hit(child, number, attempt.random) if number != signal.SIGSTOP else _hang(child)
-        _finish(command)
-        _gone(shop, child)
+        finish(command)
+        gone(shop, child)
     return judged(shop, at_ns, to_the_step=False)
 
 
@@ -114,7 +116,7 @@ def _hang(pid: int) -> int:
 
 def to_app(number: signal.Signals, attempt: Attempt) -> Outcome:
     """The app gets it, in the middle of a jog."""
-    shop = _begin(attempt)
+    shop = begin(attempt)
     terminal = Terminal([sys.executable, "-m", "fraese"], shop.folder, shop.environment, Warm)
     try:
         terminal.wait_for("palette")
@@ -124,13 +126,14 @@ def to_app(number: signal.Signals, attempt: Attempt) -> Outcome:
         time.sleep(attempt.random.uniform(0, _JOG_WITHIN_S))
         at_ns = hit(terminal.process.pid, number, attempt.random)
         terminal.wait_for_end()
-        _gone(shop, child)
+        gone(shop, child)
     finally:
         terminal.close()
     return judged(shop, at_ns, to_the_step=True)
 
 
-def _finish(command: "subprocess.Popen[str]") -> None:
+def finish(command: "subprocess.Popen[str]") -> None:
+    """Wait for the end of a command, which has nothing to say of the program's own faults."""
     _, noted = command.communicate(timeout=5 * LIMIT_S)
     assert "Traceback" not in noted, noted
 

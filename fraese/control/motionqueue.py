@@ -206,7 +206,7 @@ class MotionQueue:
         self._queue.clear()
         self._end_steps = at
         self.report = replace(
-            self.report, position_steps=at, queued=0, tick=0, due_ns=0, rate_hz=0.0, running=False
+            self.report.found_at(at), queued=0, tick=0, due_ns=0, rate_hz=0.0, running=False
         )
         where.at_rest(at)
         where.seen(at)

@@ -9,8 +9,9 @@ nobody above asks which one it has.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
+from operator import add, sub
 from typing import Final, NamedTuple, Protocol
 
 from fraese.anythread import any_thread
@@ -212,6 +213,16 @@ class Report:
     late_ticks: int
     dry_queues: int
     phases: tuple[int, ...]
+
+    def found_at(self, position_steps: tuple[int, ...]) -> "Report":
+        """Of motors that have gone on since: their phases are those of this place, too.
+
+        A phase index may be a turn too large or too small then; cards take it as it is.
+        """
+        moved = map(sub, position_steps, self.position_steps)
+        return replace(
+            self, position_steps=position_steps, phases=tuple(map(add, self.phases, moved))
+        )
 
 
 class SwitchMode(Enum):

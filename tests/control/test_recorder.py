@@ -256,6 +256,8 @@ def test_what_made_the_steps_died_and_the_record_says_what_the_alarm_said(
     assert controller.error is alarm
     at = controller.state().position_steps
     assert at[:2] == (1500, 700)
+    # The next current is that of this place: that of where it was seen last would turn the rotors.
+    assert [phase % 8 for phase in kept(tmp_path)["phases"]] == [1500 % 8, -700 % 8, -150 % 8]
     # Killed now, or ended in order: nothing is narrower, nothing is the whole machine.
     bounds = [(1500, 1501), (700, 701), (-151, -150)]
     doubted = controller.position.bounds_steps()

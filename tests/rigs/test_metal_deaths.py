@@ -134,6 +134,30 @@ def test_a_killed_step_process_is_replaced_at_the_switch_off(tmp_path: Path) -> 
     )
 
 
+@pytest.mark.parametrize("dies", [True, False], ids=["step process killed", "port away"])
+def test_the_next_current_pulls_the_rotors_to_where_they_are_counted(
+    tmp_path: Path, dies: bool
+) -> None:
+    """Whatever the last report said: the motors had gone on since then."""
+    shop = Shop(tmp_path, "devport")
+    with shop.begun("run", "long.ngc", "--json") as command:
+        if dies:
+            os.kill(child_of(command.pid), signal.SIGKILL)
+        else:
+            shop.fake.refuse("access", errno.EIO)
+        shop.end(command)
+    shop.fake.refuse("access", 0)
+    stood_steps = shop.travelled_steps()
+    answer = shop.command("move", "X0.1", "--relative", "--json")
+    doubt = answer.result["doubt"]
+    for axis, low in doubt["low_steps"].items():
+        at = shop.travelled_steps()["xyz".index(axis)]
+        assert low <= at <= doubt["high_steps"][axis] <= low + 1
+    moved = [b - a for a, b in zip(stood_steps, shop.travelled_steps(), strict=True)]
+    assert abs(moved[0] - 20) <= 1
+    assert abs(moved[1]) <= 1
+
+
 def test_a_hung_step_process_is_killed_and_the_motors_switched_off(tmp_path: Path) -> None:
     shop = Shop(tmp_path, "devport")
     with shop.begun("run", "long.ngc", "--json") as command:

@@ -206,7 +206,7 @@ class RealtimeDriver:
         self._revive_at_s = now_s + _REVIVE_S
         died = self._session
         told = died.look()
-        where = replace(told.report, position_steps=died.bounds().at_steps)
+        where = told.report.found_at(died.bounds().at_steps)
         last = self._report(told._replace(report=where))
         self._setup.card.set_phases(last.phases)
         session = Session(self._going_on(last.position_steps))

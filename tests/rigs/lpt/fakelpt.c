@@ -19,6 +19,8 @@
  *         control to rest, twice; bit 4 of it is the kernel's; release and close write nothing.
  * Rule 4: there may be carriages on the port. They follow every step, at once, however fast it comes,
  *         and hold the switch line closed at their ends and beyond. Between processes they stand.
+ * Rule 5: the switch may be a bad one (enum fault), and the clock of the day may be set while a
+ *         process runs: both only for processes that have this library.
  *
  * Not modelled: two owners of a shared port taking turns, interrupts, and time on the bus.
  */
@@ -47,6 +49,7 @@
 #define MAX_FD 4096
 
 enum { DATA, STATUS, CONTROL, REGISTERS };
+#define FAULT 3 /* of lines */
 
 /* Where the test may put an errno, so that the call is refused. */
 enum { REFUSE_OPEN_PARPORT, REFUSE_OPEN_PORT, REFUSE_EXCL, REFUSE_CLAIM, REFUSE_ACCESS, REFUSALS };
@@ -67,17 +70,31 @@ struct carriage {
   int32_t travel_steps;
 };
 
+/* What is wrong with the switch of the carriages. */
+enum fault {
+  SOUND,
+  GLITCHES, /* the next reading is wrong, and then it is SOUND */
+  BOUNCES,  /* after each change some readings are one way and the other */
+  STICKS,   /* once closed, it stays so */
+  LATE,     /* once closed, it opens only LATE_STEPS further */
+};
+#define CLOSED_BEFORE 0x80 /* added to STICKS and LATE */
+#define BOUNCING 12        /* readings */
+#define LATE_STEPS 60
+
 struct bench {
-  volatile uint8_t lines[4]; /* the registers as they stand; the test drives [STATUS] */
+  /* The registers as they stand; the test drives [STATUS]. The fourth is the switch's fault. */
+  volatile uint8_t lines[4];
   volatile int32_t refuse[REFUSALS];
   uint32_t capacity;       /* events that the file has room for */
   uint32_t wiring;         /* of the carriages */
   volatile uint64_t count; /* events, also those that found no room */
   struct carriage carriages[MOTORS];
+  volatile int64_t set_s; /* how far the clock of the day was set */
   struct event events[];
 };
 
-_Static_assert(sizeof(struct event) == 16 && sizeof(struct bench) == 64, "see fakeport.py");
+_Static_assert(sizeof(struct event) == 16 && sizeof(struct bench) == 72, "see fakeport.py");
 
 enum kind { NONE, PARPORT, PORT };
 
@@ -91,6 +108,7 @@ static int (*libc_close)(int);
 static int (*libc_ioctl)(int, unsigned long, ...);
 static ssize_t (*libc_pread)(int, void *, size_t, off_t);
 static ssize_t (*libc_pwrite)(int, const void *, size_t, off_t);
+static int (*libc_gettime)(clockid_t, struct timespec *);
 
 /* At the latest with the first call: a forked process may be told its bench later. */
 __attribute__((constructor)) static void start(void) {
@@ -99,6 +117,7 @@ __attribute__((constructor)) static void start(void) {
   libc_ioctl = dlsym(RTLD_NEXT, "ioctl");
   libc_pread = dlsym(RTLD_NEXT, "pread64");
   libc_pwrite = dlsym(RTLD_NEXT, "pwrite64");
+  libc_gettime = dlsym(RTLD_NEXT, "clock_gettime");
   libc_open = dlsym(RTLD_NEXT, "open64");
   const char *path = getenv("FAKELPT");
   int fd = path ? libc_open(path, O_RDWR | O_CLOEXEC) : -1;
@@ -113,7 +132,7 @@ static void note(char what, int reg, int value) {
   uint64_t place = __atomic_fetch_add(&bench->count, 1, __ATOMIC_RELAXED);
   if (place >= bench->capacity) return;
   struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
+  libc_gettime(CLOCK_MONOTONIC, &now);
   struct event *event = &bench->events[place];
   event->at_ns = now.tv_sec * 1000000000ull + now.tv_nsec;
   event->pid = getpid();
@@ -160,12 +179,34 @@ static void drive(long reg, int value) {
   if (bench->wiring == STEP_DIRECTION && reg == DATA) clock_edges(bench->lines[DATA], value);
 }
 
-static int is_at_an_end(void) {
+static int is_within(int steps) {
   for (int motor = 0; bench->wiring && motor < MOTORS; motor++) {
     struct carriage *carriage = &bench->carriages[motor];
-    if (carriage->at_steps <= 0 || carriage->at_steps >= carriage->travel_steps) return 1;
+    int at = carriage->at_steps;
+    if (at <= steps || at >= carriage->travel_steps - steps) return 1;
   }
   return 0;
+}
+
+static int bounced(int closed) {
+  static int before, left;
+  if (closed != before) left = BOUNCING;
+  before = closed;
+  return left > 0 && (left-- * 5 & 2) ? !closed : closed;
+}
+
+/* One reading of the switch. */
+static int is_at_an_end(void) {
+  int closed = is_within(0), fault = bench->lines[FAULT];
+  switch (fault & ~CLOSED_BEFORE) {
+  case GLITCHES: bench->lines[FAULT] = SOUND; return !closed;
+  case BOUNCES: return bounced(closed);
+  case STICKS: closed |= fault & CLOSED_BEFORE; break;
+  case LATE: closed |= fault & CLOSED_BEFORE && is_within(LATE_STEPS); break;
+  default: return closed;
+  }
+  bench->lines[FAULT] = (fault & ~CLOSED_BEFORE) | (closed ? CLOSED_BEFORE : 0);
+  return closed;
 }
 
 /* --- registers ------------------------------------------------------------------------------- */
@@ -232,6 +273,15 @@ int close(int fd) {
     files[fd].kind = NONE;
   }
   return libc_close(fd);
+}
+
+/* --- the clock of the day ------------------------------------------------------------------- */
+
+int clock_gettime(clockid_t clock, struct timespec *now) {
+  start();
+  int failed = libc_gettime(clock, now);
+  if (!failed && bench && clock == CLOCK_REALTIME) now->tv_sec += bench->set_s;
+  return failed;
 }
 
 /* --- /dev/parport0 -------------------------------------------------------------------------- */

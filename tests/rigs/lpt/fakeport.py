@@ -37,7 +37,7 @@ REFUSALS: Final = ("open parport", "open port", "exclusive", "claim", "access")
 
 _HEADER: Final = struct.Struct("<4B5iIIQ")
 _EVENT: Final = struct.Struct("<QIcBBx")
-_HEADER_BYTES: Final = 64
+_HEADER_BYTES: Final = 72
 _REFUSAL_AT: Final = 4
 _CAPACITY_AT: Final = 24
 _COUNT: Final = struct.Struct("<Q")
@@ -46,6 +46,12 @@ _WIRING_AT: Final = 28
 _WIRINGS: Final = {"smc": 1, "stepdir": 2}
 _CARRIAGES: Final = struct.Struct("<iiiiii")
 _CARRIAGES_AT: Final = 40
+_SET_S: Final = struct.Struct("<q")
+_SET_S_AT: Final = 64
+_FAULT_AT: Final = 3
+
+#: What may be wrong with the switch of the carriages.
+FAULTS: Final = ("sound", "glitches", "bounces", "sticks", "late")
 
 
 class Event(NamedTuple):
@@ -138,6 +144,14 @@ class FakePort:
     def let_go(self) -> None:
         """The end switch opens."""
         self.status = AT_REST
+
+    def spoil_switch(self, fault: str) -> None:
+        """From now on the switch of the carriages is a bad one, or a sound one (see ``FAULTS``)."""
+        self._map[_FAULT_AT] = FAULTS.index(fault)
+
+    def set_clock(self, seconds: int) -> None:
+        """The clock of the day is set, for the processes that have this port."""
+        _SET_S.pack_into(self._map, _SET_S_AT, seconds)
 
     def refuse(self, what: str, errno: int) -> None:
         """From now on, refuse a kind of call (see ``REFUSALS``); 0: no more."""
