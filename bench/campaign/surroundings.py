@@ -136,7 +136,7 @@ def second(attempt: Attempt) -> Outcome:
     assert answer.code == 130, answer.noted
     at_port = {event.pid for event in shop.fake.events()}
     assert len(at_port) == 1, "another process was at the port"
-    claim, true_steps = claim_of(answer), shop.travelled_steps()
+    claim, true_steps = claimed(shop), shop.travelled_steps()
     beyond = claim.beyond_steps(true_steps) + (not claim.is_to_the_step)
     return Outcome(beyond, took_s, f"claimed {claim}, true {true_steps}")
 
