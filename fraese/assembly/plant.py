@@ -207,8 +207,8 @@ def _put_together(
         onlooker=onlooker,
         recorder=recorder,
     )
+    controller.position.turn_steps = turn_steps(config)
     if state is not None:
-        controller.position.turn_steps = turn_steps(config)
         controller.take_up(state)
         left = left_by_crash(controller)
         notes += [left.sentence] if left and not kept.is_driven else []

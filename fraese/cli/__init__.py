@@ -9,7 +9,19 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fraese.assembly import Plant
-from fraese.cli import alarms, bench, bridge, doctor, files, motion, ports, scancodes, trace, x4step
+from fraese.cli import (
+    alarms,
+    bench,
+    bridge,
+    calibrate,
+    doctor,
+    files,
+    motion,
+    ports,
+    scancodes,
+    trace,
+    x4step,
+)
 from fraese.cli.departure import Closing, Departure, in_background, left_at_once
 from fraese.cli.output import note, open_standard_files
 from fraese.cli.session import AfterMotion
@@ -32,6 +44,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.add_typer(motion.app)
+app.add_typer(calibrate.app, name="calibrate")
 app.add_typer(files.app)
 app.add_typer(ports.app)
 app.add_typer(bridge.app)
@@ -59,7 +72,8 @@ def start(
         # What was said in front of the command holds for it.
         given = {"config": config, "state": state, "fresh": fresh or None, "trace": trace}
         given = {name: value for name, value in given.items() if value is not None}
-        context.default_map = {context.invoked_subcommand: {**given, "check": given}}
+        inner = dict.fromkeys(("check", *calibrate.NAMES), given)
+        context.default_map = {context.invoked_subcommand: {**given, **inner}}
         return
 
     def go() -> int:

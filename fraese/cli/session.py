@@ -13,7 +13,7 @@ import shutil
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from fraese.alarms import Trust
@@ -26,6 +26,9 @@ from fraese.control.state import MachineState, Status, three_decimals
 from fraese.control.switchtest import SwitchTest
 from fraese.errors import Alarm, Cancelled, FraeseError
 from fraese.signalwatch import watched
+
+#: What else belongs to a result.
+More = Callable[[], Mapping[str, Any]]
 
 _STATUS_WORDS: Final = {Status.OK: "done", Status.CANCEL: "cancelled", Status.ERROR: "alarm"}
 _EXIT_CODES: Final = {Status.OK: 0, Status.ERROR: 1, Status.CANCEL: Cancelled.exit_code}
@@ -64,6 +67,7 @@ class Session:
         self._blocks = 0
         self._told = ""
         self._asked = ""
+        self._more: Mapping[str, Any] = {}
         self._may_raise = True
         self._hurries = threading.Event()
         self._departure = departure or Departure(leave=lambda code: None)
@@ -73,8 +77,13 @@ class Session:
         for text in plant.notes:
             note(text)
 
-    def do(self, command: Callable[[Controller], object]) -> int:
+    def do(self, command: Callable[[Controller], object], more: More = dict) -> int:
         """Command, run, result; the exit code.
+
+        Args:
+            command: what to do.
+            more: asked when it went well, and the machine is closed: what else belongs to the
+                result, for programs; for people it is noted there.
 
         Raises:
             FraeseError: if the command is refused; the machine has not moved.
@@ -82,6 +91,8 @@ class Session:
         with watched(self._interrupt, self._interrupt_main):
             try:
                 status, state = self._carry_out(command)
+                if status is Status.OK:
+                    self._more = more()
             except FraeseError as error:
                 if not any(self._controller.travelled_steps()):
                     raise
@@ -168,6 +179,7 @@ class Session:
             "lost_why": if_seen(state.lost_why),
             **_alarm_result(self._controller.error),
             **self._trace_result(),
+            **self._more,
         }
 
     def _trace_result(self) -> dict[str, Any]:

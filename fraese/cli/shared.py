@@ -26,7 +26,7 @@ from fraese.assembly import Plant, assemble, state_folder
 from fraese.assembly.drivers import ClockName
 from fraese.cli.departure import Departure
 from fraese.cli.output import flush, note, settle
-from fraese.cli.session import Session, refuse
+from fraese.cli.session import More, Session, refuse
 from fraese.config import file as configuration
 from fraese.control.controller import Controller
 from fraese.errors import Cancelled, FraeseError, OutputError
@@ -104,14 +104,21 @@ class Place:
             trace=self.trace,
         )
 
-    def do(self, action: Callable[[Controller], object], *, at_desk: bool = False) -> None:
-        """One command on that machine; leaves with its exit code."""
+    def do(
+        self,
+        action: Callable[[Controller], object],
+        *,
+        at_desk: bool = False,
+        more: More = dict,
+    ) -> None:
+        """One command on that machine; leaves with its exit code. See ``Session.do``."""
 
         def go() -> int:
             plant = self.plant(at_desk=at_desk)
             departure = Departure()
             try:
-                return Session(plant, as_json=self.as_json, departure=departure).do(action)
+                session = Session(plant, as_json=self.as_json, departure=departure)
+                return session.do(action, more)
             except BaseException as error:
                 plant.close()
                 departure.machine_is_closed(_code_of(error))

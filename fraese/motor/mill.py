@@ -5,7 +5,7 @@ Rule 2: a switch is pressed by a carriage at its end of travel or beyond, or by 
 Rule 3: switches are felt after every movement that may have changed them: at or beyond an end, and
         everywhere while one is pressed.
 Rule 4: a switch does not close at quite the same place every time. By how much it is off is drawn
-        when it is left, from numbers that are the same in every run.
+        when the carriage has got clear of it, from numbers that are the same in every run.
 Rule 5: everything here is counted in half-steps of the motor, and in its direction: which way that
         moves a carriage, and how far in millimetres, is known further up.
 """
@@ -14,11 +14,15 @@ import math
 import random
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Final
 
 from fraese.motor.contacts import Contacts
 from fraese.motor.phases import TURN_STEPS
 from fraese.motor.rotor import Rotor, RotorLimits
 from fraese.motor.seams import End
+
+#: So many standard deviations from where a switch should close it is not felt any more.
+_CLEAR: Final = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +96,8 @@ class Mill:
         # Carriage ahead of rotor: between nothing and the backlash.
         self._slack_steps = [0.0] * len(self.rotors)
         self._by_hand: set[End] = set()
+        #: Motors whose switches were pressed since their places were drawn.
+        self._to_be_drawn: set[int] = set()
         self._chance = random.Random(0)
 
     def turn(self, motor: int, delta: float, now_ns: int) -> None:
@@ -107,6 +113,8 @@ class Mill:
         low_steps, high_steps = self.switches_steps[motor]
         if not low_steps < position_steps < high_steps or self.contacts.any_pressed:
             self.feel(motor, now_ns)
+        elif self._to_be_drawn:
+            self._draw(motor, position_steps)
 
     def _drag(self, motor: int, turned_steps: float) -> None:
         """The rotor turns within the play before its carriage follows."""
@@ -130,15 +138,21 @@ class Mill:
             (End(motor, -1), position_steps <= low_steps),
             (End(motor, 1), position_steps >= high_steps),
         ):
-            was_pressed = end in self.contacts.pressed()
+            if at_end and self.slides[motor].scatter_steps:
+                self._to_be_drawn.add(motor)
             self.contacts.change(end, at_end or end in self._by_hand, now_ns)
-            if was_pressed and not at_end and self.slides[motor].scatter_steps:
-                self._scatter(motor)
+        if self._to_be_drawn:
+            self._draw(motor, position_steps)
 
-    def _scatter(self, motor: int) -> None:
-        """The switches of a carriage will close a little elsewhere."""
+    def _draw(self, motor: int, position_steps: float) -> None:
+        """The switches of a carriage that is clear of them will close a little elsewhere."""
         slide = self.slides[motor]
         low_steps, high_steps = slide.switches_steps
+        clear_steps = _CLEAR * slide.scatter_steps
+        is_clear = low_steps + clear_steps < position_steps < high_steps - clear_steps
+        if motor not in self._to_be_drawn or not is_clear:
+            return
+        self._to_be_drawn.remove(motor)
         off_steps = [self._chance.gauss(0, slide.scatter_steps) for _ in range(2)]
         self.switches_steps[motor] = low_steps + off_steps[0], high_steps + off_steps[1]
 
