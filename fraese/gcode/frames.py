@@ -116,6 +116,20 @@ class Frames:
         """What is known of a tool; nothing is 0."""
         return self._tools.get(number, ToolData())
 
+    def diameter_mm(self, number: int, user: str) -> float:
+        """Diameter of a tool, by the tool table.
+
+        Raises:
+            ProgramError: it is not in the table, or there is none.
+        """
+        if self._any_tool and number not in self._tools:
+            raise ProgramError(
+                f"{user} needs the diameter of a tool, and there is no tool table; give the"
+                f" diameter itself by {user}.1 D"
+            )
+        self.check_tool(number)
+        return self.tool_data(number).diameter_mm
+
     def _axis_words(self, block: Block) -> dict[str, float]:
         """The axis words in mm by axis."""
         units = self._position.axes.units[self._modal.scale_mm]

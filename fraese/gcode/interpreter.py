@@ -12,7 +12,7 @@ from collections.abc import Generator, Iterable, Iterator
 from typing import Final
 
 from fraese.errors import ProgramError
-from fraese.gcode import messages, named, words
+from fraese.gcode import cutterwords, messages, named, words
 from fraese.gcode.axes import Axes
 from fraese.gcode.canon import (
     BARRIERS,
@@ -26,10 +26,11 @@ from fraese.gcode.canon import (
     Probe,
     Rapid,
 )
+from fraese.gcode.cutter import Cutter
 from fraese.gcode.foreign import explained
 from fraese.gcode.frames import Frames
 from fraese.gcode.labels import SUBPROGRAM
-from fraese.gcode.modal import M_OFFSET, ORDER, Modal
+from fraese.gcode.modal import CUTTER_ON, M_OFFSET, ORDER, Modal
 from fraese.gcode.motion import Motion
 from fraese.gcode.offsets import Coordinates
 from fraese.gcode.outputs import Handler, Moves, Outputs
@@ -66,6 +67,7 @@ class Interpreter:
         self._outputs = Outputs(self._motion, self._frames, self._settings)
         # where the last move inside a loop or subroutine went
         self._last_to: Point | None = None
+        self._cutter = Cutter(self._motion)
         self._reader = BlockReader(parameters, axes)
         self._flow = Flow(Source((), setup.file), parameters, setup)
         self._text = ""
@@ -74,7 +76,8 @@ class Interpreter:
         self._handlers: dict[str, Handler] = dict.fromkeys(ORDER, self._set)
         self._handlers.update(self._outputs.handlers())
         self._handlers.update(f=self._feed, state=self._state, nonmodal=self._nonmodal)
-        named.install(parameters, self._motion, self._frames, lambda: self._flow)
+        self._handlers["cutter"] = self._compensate
+        named.install(parameters, self._motion, self._frames, self._cutter, lambda: self._flow)
 
     def run(self, lines: Iterable[str]) -> Generator[Move, Facts | None, None]:
         """Yield the program's moves; answer each barrier with ``send``.
@@ -150,7 +153,7 @@ class Interpreter:
                 if flow.idle_lines and self._gets_on(move):
                     flow.idle_lines = 0
         if not self._outputs.ended:
-            yield from self._outputs.end(max(flow.source.line, 1))
+            yield from self._cutter.through(self._outputs.end(max(flow.source.line, 1)))
 
     def _gets_on(self, move: Move) -> bool:
         """Whether a loop that makes this move gets somewhere: it goes to another place."""
@@ -188,10 +191,10 @@ class Interpreter:
         level = flow.call_level
         word = flow.take(text)
         if flow.over:
-            return self._outputs.end(self._motion.line)
+            return self._cutter.through(self._outputs.end(self._motion.line))
         # M99 leaves even where it begins the next repetition.
         if flow.call_level < level or word.keyword == "m99":
-            return self._settings.leave(self._motion.line, level)
+            return self._cutter.through(self._settings.leave(self._motion.line, level))
         return ()
 
     def _execute(self, text: str, comment: str) -> Moves:
@@ -202,12 +205,22 @@ class Interpreter:
             words.complete(block, self._modal.motion)
         except ProgramError as error:
             raise explained(self._text, error) from error
+        if self._cutter.acts or "cutter" in block.codes:
+            return self._beside(block)
         given = block.words
         if block.codes or block.comment or "s" in given or "t" in given:
             return self._in_order(block)
         if "f" in given:
             self._settings.feed(given["f"])
         return self._motion.move(block)
+
+    def _beside(self, block: Block) -> Moves:
+        """Carry out a block whose moves are compensated, or begin or end to be."""
+        code = block.codes.get("cutter", 0)
+        if code in CUTTER_ON or (self._cutter.side is not None and code != 400):
+            system = self._motion.coordinates.frame.system
+            cutterwords.check(block, self._modal, system)
+        return self._cutter.through(self._in_order(block))
 
     def _in_order(self, block: Block) -> Iterator[Move]:
         if block.comment:
@@ -224,7 +237,7 @@ class Interpreter:
     def _answer(self, move: Move, facts: Facts | None) -> None:
         if isinstance(move, Probe):
             self._motion.probed(move, facts)
-        elif facts is not None:
+        elif facts is not None and not self._cutter.acts:
             self._motion.at = self._motion.coordinates.frame.to_work(facts.position_mm)
 
     def _message(self, comment: str) -> Moves:
@@ -232,6 +245,14 @@ class Interpreter:
         return () if found is None else (Message(self._motion.line, found[1], found[0]),)
 
     # Entries of modal.ORDER
+
+    def _compensate(self, block: Block, value: float) -> Moves:
+        code = int(value)
+        if code == 400:
+            self._cutter.switch_off()
+            return ()
+        self._cutter.switch_on(cutterwords.side_of(code, block, self._frames, self._modal))
+        return ()
 
     def _feed(self, block: Block, value: float) -> Moves:
         self._settings.feed(value)

@@ -21,7 +21,7 @@ G_GROUPS: Final[dict[str, tuple[int, ...]]] = {
     "arc_distance": (901, 911),
     "feed_mode": (930, 940),
     "units": (200, 210, 700, 710),
-    "cutter": (400,),
+    "cutter": (400, 410, 411, 420, 421),
     "length": (430, 431, 432, 490),
     "retract": (980, 990),
     "system": (540, 550, 560, 570, 580, 590, 591, 592, 593),
@@ -52,10 +52,6 @@ G_REFUSED: Final[dict[int, str]] = {
     160: "polar coordinates are written with @ and ^ here",
     330: "motion synchronised with the spindle needs a spindle encoder, and there is none",
     331: "rigid tapping needs a spindle encoder, and there is none",
-    410: "cutter compensation is not supported; let the CAM program offset the path",
-    411: "cutter compensation is not supported; let the CAM program offset the path",
-    420: "cutter compensation is not supported; let the CAM program offset the path",
-    421: "cutter compensation is not supported; let the CAM program offset the path",
     510: "scaling is not supported; let the CAM program scale",
     511: "mirroring is not supported; let the CAM program mirror",
     541: "there are nine work coordinate systems here, G54 to G59, G59.1, G59.2 and G59.3",
@@ -107,6 +103,7 @@ ORDER: Final = (
 )
 
 ARCS: Final = frozenset({20, 30})
+CUTTER_ON: Final = frozenset({410, 411, 420, 421})
 CYCLES: Final = frozenset({730, 740, 810, 820, 830, 840, 850, 860, 890})
 STRAIGHT: Final = frozenset({0, 10})
 # The ways home; what stands beside them on a line is not moved again.
@@ -120,7 +117,7 @@ WORD_USERS: Final[dict[str, tuple[frozenset[int], str]]] = {
     "j": (ARCS | {100}, "G2, G3 or G10"),
     "k": (ARCS, "G2 or G3"),
     "r": (ARCS | CYCLES | {100}, "an arc, a canned cycle or G10"),
-    "l": (CYCLES | {100}, "a canned cycle or G10"),
+    "l": (CYCLES | CUTTER_ON | {100}, "a canned cycle, G41.1, G42.1 or G10"),
     "q": (frozenset({100, 640, 730, 830, 1061}), "G10, G64, G73, G83 or M61"),
     "h": (frozenset({430, 432}), "G43"),
     "p": (
@@ -128,7 +125,7 @@ WORD_USERS: Final[dict[str, tuple[frozenset[int], str]]] = {
         "G2, G3, G4, G10, G64, G74, G82, G84, G86, G89 or M50 to M53",
     ),
     "$": (frozenset({1003, 1004, 1005, 1051, 970}), "M3, M4, M5, M51 or G97"),
-    "d": (frozenset(), "cutter compensation, which is not supported"),
+    "d": (CUTTER_ON, "G41, G41.1, G42 or G42.1"),
 }
 # M-codes get this added where they share a table with G-codes.
 M_OFFSET: Final = 1000

@@ -3,7 +3,9 @@
 from collections.abc import Callable
 from typing import Final
 
+from fraese.errors import ProgramError
 from fraese.gcode.canon import PathMode
+from fraese.gcode.cutter import Cutter
 from fraese.gcode.frames import Frames
 from fraese.gcode.messages import DEBUG_SWITCH
 from fraese.gcode.oword import Flow
@@ -20,15 +22,21 @@ _PATHS: Final = {PathMode.EXACT_PATH: 610, PathMode.EXACT_STOP: 611, PathMode.BL
 
 
 def install(
-    parameters: Parameters, position: Position, frames: Frames, flow: Callable[[], Flow]
+    parameters: Parameters,
+    position: Position,
+    frames: Frames,
+    cutter: Cutter,
+    flow: Callable[[], Flow],
 ) -> None:
     """Connect the answering parameters to what they tell of."""
     parameters.numbered.setdefault(DEBUG_SWITCH, 1.0)
     parameters.live.update(_numbered(position, frames))
+    parameters.live.update(_place(position, cutter))
     parameters.live_names.update(_modes(position))
     parameters.live_names.update(_places(position))
     parameters.live_names.update(_control(flow))
     parameters.live_names.update(_constants())
+    parameters.live_names["_ccomp"] = lambda: 400.0 if cutter.side is None else cutter.side.code
 
 
 def _program_position(position: Position, axis: int) -> Live:
@@ -41,6 +49,21 @@ def _machine_position(position: Position, axis: int) -> Live:
 
 def _tool_offset(position: Position, frames: Frames, axis: int) -> Live:
     return lambda: frames.tool_data(position.modal.tool).offset(position.axes.letters)[axis]
+
+
+def _place(position: Position, cutter: Cutter) -> dict[int, Live]:
+    def answer(axis: int) -> Live:
+        place = _program_position(position, axis)
+
+        def at() -> float:
+            if cutter.side is not None:
+                raise ProgramError("the position cannot be read under compensation (G41, G42)")
+            return place()
+
+        return at
+
+    letters = position.axes.letters
+    return {numbers(POSITION, letter)[0]: answer(axis) for axis, letter in enumerate(letters)}
 
 
 def _constant(value: float) -> Live:
@@ -56,9 +79,7 @@ def _numbered(position: Position, frames: Frames) -> dict[int, Live]:
         for number in numbers(first, LETTERS)
     }
     for axis, letter in enumerate(position.axes.letters):
-        (of_tool,), (of_position,) = numbers(TOOL_OFFSET, letter), numbers(POSITION, letter)
-        answers[of_tool] = _tool_offset(position, frames, axis)
-        answers[of_position] = _program_position(position, axis)
+        answers[numbers(TOOL_OFFSET, letter)[0]] = _tool_offset(position, frames, axis)
     return answers | {
         TOOL_NUMBER: lambda: float(modal.tool),
         TOOL_DIAMETER: lambda: frames.tool_data(modal.tool).diameter_mm,
@@ -120,7 +141,6 @@ def _constants() -> dict[str, Live]:
     constants = {
         "_vmajor": VERSION[0],
         "_vminor": VERSION[1],
-        "_ccomp": 400.0,
         "_units_per_rev": 0.0,
         "_spindle_rpm_mode": 1.0,
         "_spindle_css_mode": 0.0,

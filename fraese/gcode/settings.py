@@ -153,7 +153,6 @@ _SETTERS: Final[dict[int, Callable[[Settings, Block], None]]] = {
     990: _mode("retract_to_start", False),
     700: _mode("scale_mm", 25.4),
     710: _mode("scale_mm", 1.0),
-    400: _nothing,
     80: _nothing,
     970: _nothing,
     430: lambda settings, block: settings._frames.length(block),

@@ -10,7 +10,7 @@ from tests.gcode.run import moves
     ("text", "said"),
     [
         ("g0 a5", "no axis A"),
-        ("g41 d1", "G41 is refused: cutter compensation"),
+        ("g41 d1", "G41 needs the diameter of a tool, and there is no tool table"),
         ("g33 z1 k1", "G33 is refused"),
         ("g76", "G76 is refused"),
         ("g95", "G95 is refused"),

@@ -28,9 +28,15 @@ START_STATES: dict[str, Event] = {
 }
 
 
-def our_verdict(text: str, tools: dict[int, float] | None = None, **setup: Any) -> Verdict:
+def our_verdict(
+    text: str,
+    tools: dict[int, float] | None = None,
+    diameters: dict[int, float] | None = None,
+    **setup: Any,
+) -> Verdict:
     """Our interpreter on the same program, with the judge's probe."""
-    table = None if tools is None else {n: ToolData(z) for n, z in tools.items()}
+    wide = diameters or {}
+    table = None if tools is None else {n: ToolData(z, wide.get(n, 0.0)) for n, z in tools.items()}
     interpreter = Interpreter(Setup(tools=table, **setup))
     run = interpreter.run(text.splitlines())
     verdict = Verdict()
@@ -140,9 +146,10 @@ def disagreement(
     tools: dict[int, float] | None = None,
     tolerance: float = TOLERANCE_MM,
     axes: str = "xyz",
+    diameters: dict[int, float] | None = None,
 ) -> str:
     """Run a program on both sides, on a machine with these axes."""
-    ours = our_verdict(text, tools, axes=axes)
+    ours = our_verdict(text, tools, diameters, axes=axes)
     if any(said in ours.refused for said in DELIBERATE):
         return ""
-    return differences(ours, judge(text, folder, tools, axes=axes), tolerance)
+    return differences(ours, judge(text, folder, tools, axes=axes, diameters=diameters), tolerance)

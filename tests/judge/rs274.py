@@ -62,6 +62,7 @@ def judge(
     tools: dict[int, float] | None = None,
     arguments: tuple[str, ...] = (),
     axes: str = "xyz",
+    diameters: dict[int, float] | None = None,
 ) -> Verdict:
     """Run a program through rs274; tool lengths in mm, points for these axes.
 
@@ -71,13 +72,18 @@ def judge(
         tools: lengths; None: every tool has length 0, as where we are given no table.
         arguments: more for rs274.
         axes: of the machine.
+        diameters: of tools of the table, mm.
     """
     assert RS274 is not None
     program = folder / "judged.ngc"
     program.write_bytes(text.encode("utf-8", "surrogateescape"))
     table = folder / "judged.tbl"
     table_of = EVERY_TOOL if tools is None else tools
-    lines = [f"T{n} P{n} Z{length / INCH_MM:.9f}" for n, length in table_of.items()]
+    wide = diameters or {}
+    lines = [
+        f"T{n} P{n} Z{length / INCH_MM:.9f} D{wide.get(n, 0.0) / INCH_MM:.9f}"
+        for n, length in table_of.items()
+    ]
     table.write_text("".join(f"{line}\n" for line in lines))
     variables = folder / "judged.var"
     variables.write_text("5161 0\n")
