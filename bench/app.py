@@ -29,7 +29,7 @@ _KEYS = 20
 _STOP_KEYS = (b"\x1b", b"\x03")
 _IDLE_S = 10.0
 #: The last word that is drawn: the end of the footer.
-_LAST_WORD = b"palette"
+_LAST_WORD = b"Hold"
 
 
 def child() -> None:

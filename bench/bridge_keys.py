@@ -45,7 +45,7 @@ _RIGHT, _LEFT, _WIDEST = b"\x1b[C", b"\x1b[D", b"5"
 #: All inputs open.
 _OPEN: Final = 0xF8
 #: The last word of the first picture.
-_LAST_WORD: Final = b"palette"
+_LAST_WORD: Final = b"Hold"
 _START_S: Final = 30.0
 _WANTED_MS: Final = 10.0
 #: A jog has its full rate after the ramp; then the key comes.

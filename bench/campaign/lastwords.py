@@ -76,7 +76,7 @@ def app_killed(shop: Shop, chance: Random) -> int:
     """SIGKILL to the app in a jog; likewise."""
     terminal = Terminal([sys.executable, "-m", "fraese"], shop.folder, shop.environment, Warm)
     try:
-        terminal.wait_for("palette")
+        terminal.wait_for("Hold")
         terminal.press("5", "right")
         shop.fake.wait_for(shop.is_under_way)
         child = child_of(terminal.process.pid)

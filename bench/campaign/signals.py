@@ -119,7 +119,7 @@ def to_app(number: signal.Signals, attempt: Attempt) -> Outcome:
     shop = begin(attempt)
     terminal = Terminal([sys.executable, "-m", "fraese"], shop.folder, shop.environment, Warm)
     try:
-        terminal.wait_for("palette")
+        terminal.wait_for("Hold")
         terminal.press("5", "right")
         shop.fake.wait_for(shop.is_under_way)
         child = child_of(terminal.process.pid)

@@ -75,7 +75,7 @@ def app_killed(attempt: Attempt) -> Outcome:
             stack.words(), attempt.folder, {**os.environ, "TERM": "xterm-256color"}, Warm
         )
         try:
-            app.wait_for("palette")
+            app.wait_for("Hold")
             app.press("4", "right", "right", "right")
             until_moving(stack, 5)
             time.sleep(attempt.random.uniform(0, _JOG_WITHIN_S))

@@ -116,7 +116,7 @@ def on_metal(by_app: bool, number: signal.Signals | None, attempt: Attempt) -> O
 def _set_out(pty: Pty, by_app: bool) -> None:
     """It moves, and nobody reads."""
     if by_app:
-        pty.read_until(b"palette")
+        pty.read_until(b"Hold")
         stall(pty)
         pty.type(b"5")
         pty.type(b"\x1b[C")

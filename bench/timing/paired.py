@@ -36,7 +36,7 @@ _SLICES = 10
 _ROWS, _COLUMNS = 40, 120
 _PATIENCE_S = 60.0
 _START_KEY = b"s"
-_LAST_WORD = b"palette"
+_LAST_WORD = b"Hold"
 _INTERVAL_US = 200.0
 
 

@@ -28,7 +28,7 @@ def shop(tmp_path: Path) -> Shop:
 def terminal(shop: Shop) -> "Iterator[Terminal]":
     terminal = Terminal([sys.executable, "-m", "fraese"], shop.folder, shop.environment)
     try:
-        terminal.wait_for("palette")
+        terminal.wait_for("Hold")
         yield terminal
     finally:
         terminal.close()

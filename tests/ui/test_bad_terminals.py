@@ -60,10 +60,10 @@ def jogging(folder: Path) -> Iterator[Pty]:
     """On a way of 10 mm, slow enough that it takes many seconds."""
     (folder / "fraese.toml").write_text("[jog]\nfeed_mm_min = 30\n")
     with app(folder) as pty:
-        pty.read_until(b"palette")
+        pty.read_until(b"Hold")
         pty.type(b"5")
         pty.type(RIGHT)
-        pty.read_until(b"RUN")
+        pty.read_until(b"mm/min")
         yield pty
 
 
@@ -116,7 +116,7 @@ def test_a_closed_window_ends_the_app(tmp_path: Path) -> None:
 
 def test_who_reads_again_sees_all(tmp_path: Path) -> None:
     with app(tmp_path) as pty:
-        pty.read_until(b"palette")
+        pty.read_until(b"Hold")
         until_s = time.monotonic() + 20
         # Until pictures must have been dropped.
         for _ in range(120):
@@ -126,7 +126,7 @@ def test_who_reads_again_sees_all(tmp_path: Path) -> None:
         while pty.read(1.0):
             pass
         shown = pty.drawn[-6000:]
-        for word in (b"fraese", b"palette", b"motors off"):
+        for word in (b"fraese", b"Hold", b"motors off"):
             assert word in pty.drawn, shown
         pty.type(QUIT)
         assert pty.end(reading=True) == 0
@@ -160,7 +160,7 @@ def test_quit_and_signal_are_heard_in_any_terminal(
 
 def test_a_terminal_that_shrinks_to_nothing(tmp_path: Path) -> None:
     with app(tmp_path) as pty:
-        pty.read_until(b"palette")
+        pty.read_until(b"Hold")
         for size in ((0, 0), (1, 1), (24, 80), (0, 80), (24, 0), (300, 1), (1, 300), (24, 80)):
             pty.resize(*size)
             while pty.read(0.2):
@@ -190,7 +190,7 @@ def test_a_terminal_that_shrinks_to_nothing(tmp_path: Path) -> None:
 )
 def test_nonsense_does_not_end_the_app(tmp_path: Path, nonsense: bytes) -> None:
     with app(tmp_path) as pty:
-        pty.read_until(b"palette")
+        pty.read_until(b"Hold")
         pty.type(b"g")
         typed = threading.Thread(target=pty.type, args=(nonsense,))
         typed.start()
@@ -288,7 +288,7 @@ def has_left(pty: Pty, told: object) -> bool:
 def type_at(folder: Path, typed: Iterator[tuple[int, bytes]], told: object) -> None:
     """Into one app, until there is no more, or it has left."""
     with app(folder) as pty:
-        pty.read_until(b"palette")
+        pty.read_until(b"Hold")
         for number, made in typed:
             writer = threading.Thread(target=pty.type, args=(made,))
             writer.start()
@@ -340,9 +340,9 @@ def test_a_crash_is_never_0(tmp_path: Path, reading: bool) -> None:
     (tmp_path / "crash.py").write_text(CRASH.format(where="action_go_to"))
     pty = Pty([sys.executable, "crash.py"], tmp_path, environment(tmp_path))
     try:
-        pty.read_until(b"palette")
+        pty.read_until(b"Hold")
         pty.type(b"5" + RIGHT)
-        pty.read_until(b"RUN")
+        pty.read_until(b"mm/min")
         pty.type(b"g")
         assert pty.end(reading=reading, within_s=5) == 1
     finally:

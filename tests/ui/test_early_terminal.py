@@ -71,7 +71,7 @@ def test_what_is_typed_before_anything_is_drawn_moves_nothing(tmp_path: Path) ->
         pty.type(b"5" + RIGHT + b"g1\r" + XOFF + RIGHT + RIGHT[:2])
         pty.read_until(b"\x1b[?1049h")
         pty.type(RIGHT[2:])
-        pty.read_until(b"palette")
+        pty.read_until(b"Hold")
         while pty.read(0.5):
             pass
         pty.type(QUIT)
@@ -117,7 +117,7 @@ def test_a_start_that_is_refused_gives_it_back(tmp_path: Path, text: str, code: 
 @pytest.mark.alone
 def test_a_way_out_that_is_blocked_gives_it_back_too(tmp_path: Path) -> None:
     with started(tmp_path) as (pty, before):
-        pty.read_until(b"palette")
+        pty.read_until(b"Hold")
         for _ in range(30):
             pty.type(b"v")
             time.sleep(0.05)

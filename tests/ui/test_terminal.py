@@ -47,10 +47,10 @@ def jogging_app(folder: Path) -> Iterator[tuple[subprocess.Popen[bytes], int]]:
     )  # fmt: skip
     os.close(far)
     try:
-        read_until(near, b"palette")
+        read_until(near, b"Hold")
         os.write(near, b"5")
         os.write(near, b"\x1b[C")
-        read_until(near, b"RUN")
+        read_until(near, b"mm/min")
         yield app, near
     finally:
         app.kill()

@@ -25,7 +25,7 @@ from fraese.ui.programs import Facts, Look, Program, in_words
 from fraese.ui.views.afterfaults import AfterFaults
 from fraese.ui.views.view import BUSY, Desk
 from fraese.ui.widgets.commands import CommandList
-from fraese.ui.widgets.fact import Fact
+from fraese.ui.widgets.fact import Fact, Flowing
 from fraese.ui.widgets.path import PathView
 from fraese.ui.widgets.position import PositionPanel
 from fraese.ui.widgets.status import JobLine, WidthBar
@@ -52,7 +52,7 @@ class MachineView(AfterFaults):
         self._last_go_to: GoTo | None = None
         # What became of the loaded program's file, as far as it was told.
         self._told = ""
-        self._program = Fact("no program", id="program")
+        self._program = Flowing("no program", id="program")
         self._position = PositionPanel(shape)
         width_keys = [row for row in keys.commands if row.action.startswith("set_width")]
         self._widths = WidthBar(self._choice, width_keys)
@@ -68,7 +68,7 @@ class MachineView(AfterFaults):
         yield CommandList(self.desk.keys.listed)
         with Horizontal(id="job-line"):
             yield self._job
-            yield Fact(self.desk.machine_name, id="title")
+            yield Fact(" · ".join(filter(None, ("fraese", self.desk.machine_name))), id="title")
             yield self._program
 
     def on_mount(self) -> None:

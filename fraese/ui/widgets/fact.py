@@ -40,6 +40,12 @@ class Fact(Static):
         return self._text
 
 
+class Flowing(Fact):
+    """A text whose room follows it."""
+
+    flows = True
+
+
 class Number(Digits):
     """Large digits, right-aligned, drawn when the value changes.
 

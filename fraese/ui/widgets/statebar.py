@@ -10,8 +10,8 @@ from textual.geometry import Size
 
 from fraese.control.state import MachineState, Status, three_decimals
 from fraese.ui.shape import Shape
-from fraese.ui.widgets.fact import Fact
-from fraese.ui.widgets.glyphs import ROWS, word_lines
+from fraese.ui.widgets.fact import Fact, Flowing
+from fraese.ui.widgets.glyphs import THIN
 from fraese.ui.widgets.status import lost_words, switch_words
 
 
@@ -78,9 +78,9 @@ class BigWord(Fact):
         return Content("\n".join(self._lines(self.size)))
 
     def _lines(self, room: Size) -> list[str]:
-        for double, rows in ((True, ROWS), (False, ROWS // 2)):
-            lines = word_lines(self.text, double=double)
-            if room.height >= rows and len(lines[0]) <= room.width:
+        for double in (True, False):
+            lines = THIN.lines(self.text.upper(), double=double)
+            if room.height >= THIN.rows(double=double) and len(lines[0]) <= room.width:
                 return lines
         return [self.text]
 
@@ -117,8 +117,8 @@ class FactsLine(Horizontal):
     def __init__(self, shape: Shape) -> None:
         super().__init__(id="facts")
         self._shape = shape
-        self._at = Fact("", id="at")
-        self._work = Fact("", id="work")
+        self._at = Flowing("", id="at")
+        self._work = Flowing("", id="work")
         self._switch = Fact("switch open", id="switch")
         self._ignored = Fact("", id="ignored")
         self._feed = Fact("", id="feed")
