@@ -15,6 +15,8 @@ MANY: Final = 300
 FEW: Final = 5
 #: More complaints of a kind than this are only counted.
 _SHOWN: Final = 5
+#: Characters of a complaint; ``--only`` shows all.
+_NOTE: Final = 600
 
 
 @dataclass(frozen=True)
@@ -181,6 +183,6 @@ def say(row: Row) -> None:
     """The row, and what is to be complained of."""
     print(row, flush=True)
     for number, note in row.complaints[:_SHOWN]:
-        print(f"    --only {number}: {note}", flush=True)
+        print(f"    --only {number}: {note[:_NOTE]}", flush=True)
     if len(row.complaints) > _SHOWN:
         print(f"    and {len(row.complaints) - _SHOWN} more", flush=True)

@@ -4,6 +4,9 @@ from typing import Final
 
 from bench.campaign import (
     bridge,
+    cuts,
+    damage,
+    disks,
     lastwords,
     lines,
     signals,
@@ -19,6 +22,9 @@ KINDS: Final[tuple[Kind, ...]] = (
     *switches.KINDS,
     *lines.KINDS,
     *surroundings.KINDS,
+    *damage.KINDS,
+    *disks.KINDS,
+    *cuts.KINDS,
     *lastwords.KINDS,
     *survivors.KINDS,
     *terminals.KINDS,

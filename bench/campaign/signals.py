@@ -39,7 +39,12 @@ _ENDING: Final = (
     signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT, signal.SIGQUIT,
     signal.SIGPIPE, signal.SIGSTOP,
 )  # fmt: skip
-_TO_STEPS: Final = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGSTOP)
+_TO_STEPS: Final = (
+    signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGSTOP, signal.SIGQUIT,
+    signal.SIGINT, signal.SIGPIPE,
+)  # fmt: skip
+#: Of these the step process takes no notice.
+_UNHEARD: Final = (signal.SIGINT, signal.SIGPIPE)
 
 
 def hit(pid: int, number: signal.Signals, chance: random.Random) -> int:
@@ -102,16 +107,21 @@ def to_steps(number: signal.Signals, attempt: Attempt) -> Outcome:
     with shop.begun("run", "long.ngc", "--json") as command:
         child = child_of(command.pid)
         time.sleep(attempt.random.uniform(0, _WITHIN_S))
-        at_ns = hit(child, number, attempt.random) if number != signal.SIGSTOP else _hang(child)
+        at_ns = _hit_steps(child, number)
         finish(command)
         gone(shop, child)
     return judged(shop, at_ns, to_the_step=False)
 
 
-def _hang(pid: int) -> int:
-    """It hangs, and is killed by its host; what follows counts from the end of its patience."""
-    os.kill(pid, signal.SIGSTOP)
-    return time.monotonic_ns()
+def _hit_steps(child: int, number: signal.Signals) -> int:
+    """Stopped it hangs, and is killed by its host; told to end it is after what changes nothing."""
+    at_ns = time.monotonic_ns()
+    os.kill(child, number)
+    if number in _UNHEARD:
+        time.sleep(0.05)
+        at_ns = time.monotonic_ns()
+        os.kill(child, signal.SIGTERM)
+    return at_ns
 
 
 def to_app(number: signal.Signals, attempt: Attempt) -> Outcome:

@@ -249,12 +249,17 @@ def _recorded_core(
     return MotorCore(recorder, card, clock, **options)
 
 
-def child_of(pid: int) -> int:
-    """The step process of a command; whichever of its threads has started it."""
+def children_of(pid: int) -> list[int]:
+    """What a process has started; whichever of its threads it was."""
     threads = Path(f"/proc/{pid}/task").glob("*/children")
-    children = [child for thread in threads for child in thread.read_text().split()]
+    return [int(child) for thread in threads for child in thread.read_text().split()]
+
+
+def child_of(pid: int) -> int:
+    """The step process of a command."""
+    children = children_of(pid)
     assert len(children) == 1, children
-    return int(children[0])
+    return children[0]
 
 
 def is_alive(pid: int) -> bool:
