@@ -8,6 +8,25 @@ _P: Final = "fraese/program/"
 
 MUTANTS: Final = (
     Mutant(
+        "program/visit: back to the place of the machine",
+        "a longer tool is driven into the work",
+        "fraese/program/visit.py",
+        "if vertical is None or not self.changed:",
+        "if True:",
+        tests_of(
+            "program/test_visit.py",
+            "test_a_longer_tool_is_touched_off_and_the_program_goes_on_with_it",
+        ),
+    ),
+    Mutant(
+        "program/visit: what was touched off is forgotten by the program",
+        "a longer tool mills too deep from then on",
+        "fraese/program/visit.py",
+        "parameters=dict(self.changed)",
+        "parameters={}",
+        tests_of("program/test_visit.py", "test_the_deepest_place_is_that_of_the_new_tool"),
+    ),
+    Mutant(
         "program/check: what leaves the travel upwards is no warning",
         "a program is started that drives an axis into its end",
         _P + "check.py",

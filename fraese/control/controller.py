@@ -5,16 +5,17 @@ Rule 1: everything runs in one thread, the one that calls ``run``. Only what is 
 Rule 2: callbacks are called from that thread. They may call what is marked so, no more.
 Rule 3: a refused command leaves everything as it was.
 Rule 4: what is known is known in one place: positions in ``position``, contacts in ``switches``,
-        the queue in ``MotionQueue``, the status in ``RunLoop``. Here are only commands and facts.
+        the queue in ``MotionQueue``, the status in ``RunLoop``. Here are only orders and facts; the
+        commands are in ``commands.py``.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable
 
 from fraese.anythread import any_thread
 from fraese.config import Config
-from fraese.control import lines, softlimits
+from fraese.control import softlimits
+from fraese.control.commands import Commands
 from fraese.control.endswitches import EndSwitches
-from fraese.control.homing import Homing, chosen
 from fraese.control.jobs import Job, Note
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.onlooker import Nobody, Onlooker
@@ -26,12 +27,12 @@ from fraese.control.savedstate import SavedState
 from fraese.control.snapshot import snapshot
 from fraese.control.state import MachineState, Status
 from fraese.errors import FraeseError
-from fraese.log import LogFile, logged
+from fraese.log import LogFile
 from fraese.machine import Machine, Steps
 from fraese.motor.seams import Clock, StepDriver
 
 
-class Controller:
+class Controller(Commands):
     """Commands and facts of one machine.
 
     Args:
@@ -137,9 +138,10 @@ class Controller:
         expected_s: float = 0.0,
         detour: Detour | None = None,
         note: Note | None = None,
+        guest: bool = False,
     ) -> None:
         """Take up a job; ``run`` works it off. See ``RunLoop.start``, also for what it raises."""
-        self._loop.start(name, job, lines, expected_s, detour, note)
+        self._loop.start(name, job, lines, expected_s, detour, note, guest=guest)
 
     def run(self) -> Status:
         """Work off what was started, to motors at rest; how it ended."""
@@ -211,153 +213,6 @@ class Controller:
         """
         if self.log is not None:
             self.log.switch(on)
-
-    # --- commands ------------------------------------------------------------------------------
-
-    @logged
-    def jog(self, axis: str, distance_mm: float, *, clamp: bool = False) -> None:
-        """One bounded move of one axis; ``run`` makes it.
-
-        Args:
-            axis: name.
-            distance_mm: signed; not 0, at most ``jog.max_mm``.
-            clamp: stop at the soft limit instead of refusing.
-
-        Raises:
-            LimitError: if it would leave the travel, or is too long or nothing.
-            StateError: if the machine is not ready, or stands on the switch it would move into.
-        """
-        motor = self.machine.index(axis)
-        moved, here = self.machine.axes[motor], self.position.position_steps[motor]
-        softlimits.require_jog(moved, distance_mm, self.config.jog.max_mm)
-        target = moved.to_steps(moved.to_mm(here) + distance_mm)
-        self.jog_steps(axis, target - here, clamp=clamp)
-
-    @logged
-    def jog_steps(self, axis: str, distance_steps: int, *, clamp: bool = False) -> None:
-        """The same in steps, with the same refusals."""
-        self.require_ready()
-        where, config, motor = self.position, self.config.jog, self.machine.index(axis)
-        target = softlimits.jog_target(where, motor, distance_steps, config.max_mm, clamp=clamp)
-        watch = self.switches.watch_for_jog(motor, distance_steps)
-        line = lines.line_to(where, target, config.feed_mm_min, watch)
-        self.start(f"jog {axis.upper()}", line)
-
-    @logged
-    def move_to(
-        self,
-        targets_mm: Mapping[str, float],
-        *,
-        relative: bool = False,
-        machine_coordinates: bool = False,
-        feed_mm_min: float | None = None,
-    ) -> None:
-        """A straight line of one or several axes; ``run`` makes it.
-
-        Args:
-            targets_mm: by axis name, in work coordinates.
-            relative: as distances from here instead.
-            machine_coordinates: from machine zero instead.
-            feed_mm_min: along the line; None: as fast as the axes can.
-
-        Raises:
-            LimitError: if the target is outside the travel.
-            StateError: if the machine is not ready.
-        """
-        for name, value_mm in targets_mm.items():
-            softlimits.require_finite(self.machine.axes[self.machine.index(name)], value_mm)
-        softlimits.require_feed(feed_mm_min)
-        target = self.position.to_steps(
-            targets_mm, relative=relative, machine_coordinates=machine_coordinates
-        )
-        self.check_moves([target])
-        self.start("move", lines.line_to(self.position, target, feed_mm_min))
-
-    @logged
-    def run_curve(
-        self, points_mm: Sequence[Sequence[float]], feed_mm_min: float | None = None
-    ) -> None:
-        """Work through a list of points in work coordinates, straight lines in between.
-
-        Raises:
-            LimitError: if a point is outside the travel; nothing has moved then.
-            StateError: if the machine is not ready.
-        """
-        frame = self.position.frame
-        machine_mm = [frame.to_machine(tuple(point_mm)) for point_mm in points_mm]
-        self.drive_points("curve", machine_mm, feed_mm_min)
-
-    @logged
-    def home(self, axes: Sequence[str] = (), *, measure: bool | None = None) -> None:
-        """Reference axes; ``run`` does it.
-
-        Args:
-            axes: names; by default those with end switches, as configured.
-            measure: run to the other end too.
-
-        Raises:
-            LimitError: if no axis has end switches and none was named.
-            StateError: if the machine is not ready.
-        """
-        homing = self.config.homing
-        order = chosen(self.config.home_order, axes, self.machine)
-        measure = homing.measure if measure is None else measure
-        lost = self._loop.lost_in_words
-        job = Homing(homing, self.position, self.switches, self.say, lost, measure).job(order)
-        self.start("reference " + " ".join(name.upper() for name in order), job)
-
-    @logged
-    def set_zero(self, axes: Iterable[str], value_mm: float = 0.0) -> None:
-        """Let the present position have this work coordinate.
-
-        Raises:
-            StateError: while the machine runs.
-        """
-        self._loop.require_not_running()
-        self.position.set_zero(tuple(axes), value_mm)
-
-    @logged
-    def ignore_switches(self, ignore: bool) -> None:
-        """Let contacts stop the motors, or not (for trying things out).
-
-        Raises:
-            StateError: while the machine runs.
-        """
-        self._loop.require_not_running()
-        self.switches.ignore(ignore)
-
-    def drive_points(
-        self,
-        name: str,
-        points_mm: Sequence[Sequence[float]],
-        feed_mm_min: float | None = None,
-    ) -> None:
-        """Straight lines through points in machine coordinates; ``run`` makes them.
-
-        Raises:
-            LimitError: if a point is outside the travel; nothing has moved then.
-            StateError: if the machine is not ready.
-        """
-        targets = [softlimits.to_steps(self.machine, point_mm) for point_mm in points_mm]
-        softlimits.require_feed(feed_mm_min)
-        self.check_moves(targets)
-        curve = lines.curve(self.position, targets, feed_mm_min)
-        self.start(name, curve, lines=len(targets))
-
-    def check_moves(self, targets: Sequence[Steps]) -> None:
-        """See that every target can be reached, before anything moves.
-
-        Raises:
-            LimitError: naming axis, target and travel.
-            StateError: if the machine is not ready, or stands on a switch.
-        """
-        self.require_ready()
-        self.switches.require_open()
-        softlimits.require_reachable(self.position, targets)
-
-    def require_ready(self) -> None:
-        """See that a command may be given; then the inputs are known. As ``RunLoop`` has it."""
-        self._loop.require_ready()
 
     # --- facts ---------------------------------------------------------------------------------
 

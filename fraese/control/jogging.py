@@ -159,7 +159,7 @@ class Jogs:
                 self._job = job
             hand = self._next(job)
             if hand is not None:
-                self._controller.start("jog", self._work(job, hand))
+                self._controller.start("jog", self._work(job, hand), guest=True)
         except FraeseError:
             self.forget()
             raise

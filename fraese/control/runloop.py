@@ -20,6 +20,7 @@ from typing import Final
 
 from fraese.anythread import any_thread
 from fraese.config import Config
+from fraese.control.endings import alarm
 from fraese.control.endswitches import EndSwitches
 from fraese.control.jobs import Job, Note, line_of
 from fraese.control.motionqueue import MotionQueue
@@ -35,12 +36,10 @@ from fraese.errors import (
     FraeseError,
     KeepAlarm,
     PortError,
-    SilenceAlarm,
     StateError,
-    StopAlarm,
 )
 from fraese.log import write as log_line
-from fraese.motor.seams import Clock, Ended, IdleLevel, StepDriver
+from fraese.motor.seams import Clock, IdleLevel, StepDriver
 
 _NS_PER_S: Final = 1_000_000_000
 
@@ -181,6 +180,8 @@ class RunLoop:
         expected_s: float = 0.0,
         detour: Detour | None = None,
         note: Note | None = None,
+        *,
+        guest: bool = False,
     ) -> None:
         """Take up a job; ``run`` works it off.
 
@@ -191,10 +192,15 @@ class RunLoop:
             expected_s: planned duration, likewise.
             detour: where to go while it is held; None: stay.
             note: says what must be known to go on with it; None: nobody can.
+            guest: it may be done while another one waits for an answer.
 
         Raises:
             StateError: if another one runs, or an error has not been acknowledged.
         """
+        if guest and self.is_open:
+            self.runner.admit(job)
+            return
+        self.require_not_running()
         self.require_ready()
         self.message, self.error = "", None
         self._idle_at_ns = None
@@ -218,13 +224,21 @@ class RunLoop:
         """See that a command may be given; then the inputs are known.
 
         Raises:
-            StateError: if a job runs, or an error has not been acknowledged.
+            StateError: if a job runs that is not open to others, or an error has not been
+                acknowledged.
         """
-        self.require_not_running()
+        if not self.is_open:
+            self.require_not_running()
         if self.status is Status.ERROR:
             raise StateError(f"Acknowledge the error first: {self.message}")
         # Somebody may have moved a carriage, or pressed a switch, since the last look.
         self._queue.look_around(self._config.switches.readings)
+
+    @property
+    @any_thread
+    def is_open(self) -> bool:
+        """A job waits for an answer, and somebody may move by hand meanwhile."""
+        return self.status is Status.RUN and self.runner.is_open
 
     def require_not_running(self) -> None:
         """See that nothing runs.
@@ -328,7 +342,9 @@ class RunLoop:
             if self._queue.report.torn:
                 self.message += " Stopped without ramp: reference the axes before relying on it."
         elif self.status is Status.ERROR:
-            self.error = self.runner.failure or self._alarm()
+            self.error = self.runner.failure or alarm(
+                self._queue.report, self._position, self._switches
+            )
             self.message = str(self.error)
         self._own_up()
         # Cutting ends with the job; what was cancelled or failed also leaves no spindle running.
@@ -364,20 +380,6 @@ class RunLoop:
         travelled = zip(self._queue.report.travelled_steps, self._travelled_before, strict=True)
         made_steps = [now - before for now, before in travelled]
         return lost_in_words(self._position.machine.names, self._onlooker.look(), made_steps)
-
-    def _alarm(self) -> FraeseError:
-        ended, where = self._queue.report.ended, self._position.in_words()
-        if ended is Ended.SILENCE:
-            return SilenceAlarm(
-                "The program did not look after the motors for too long; they were braked and"
-                f" switched off at {where}."
-            )
-        if ended is Ended.STOP:
-            return StopAlarm(
-                f"The motors stopped at {where}, and nobody here had asked for it: look at the line"
-                " and at who else uses it."
-            )
-        return self._switches.alarm()
 
     def _halt_motors(self) -> None:
         """HaltMotoren: current off or down, now or later."""

@@ -6,9 +6,13 @@ Rule 1: the queue is kept filled to ``lead_s`` of motion, not to its capacity, s
         operator changes is felt soon.
 Rule 2: ``cancel``, ``stop``, ``hold``, ``resume`` and ``answer`` set flags, from any thread; the
         first two and ``hold`` reach the driver at once.
-Rule 3: a job ends in exactly one way: done, cancelled, stopped by a switch, or failed. However it
+Rule 3: while a job waits for an answer, another one may be done: its guest. A cancel ends the guest
+        only; whatever else goes wrong with it ends both.
+Rule 4: a job ends in exactly one way: done, cancelled, stopped by a switch, or failed. However it
         ends, the queue is empty and the motors stand.
 """
+
+from typing import NamedTuple
 
 from fraese.anythread import any_thread
 from fraese.blocks import Block
@@ -18,6 +22,15 @@ from fraese.control.retract import Aside, Detour
 from fraese.control.state import Status
 from fraese.errors import FraeseError
 from fraese.motor.seams import Ended, Report, StepDriver
+
+
+class _Host(NamedTuple):
+    """A job that waits for an answer while a guest is done."""
+
+    job: Job
+    wait: Ask
+    aside: Aside | None
+    tag: int
 
 
 class Runner:
@@ -46,6 +59,7 @@ class Runner:
         self.question = ""
         self.computes = False
         self._job: Job | None = None
+        self._host: _Host | None = None
         self._begun = False
         self._aside: Aside | None = None
         self._pending: Block | None = None
@@ -119,6 +133,35 @@ class Runner:
         self._begun = self._cuts = False
         self.failure = None
 
+    @property
+    @any_thread
+    def is_open(self) -> bool:
+        """The job waits for an answer, and nothing else is done."""
+        return bool(self.question) and not self._answered and not self.cancelling
+
+    def admit(self, guest: Job) -> None:
+        """Do another job while this one waits for its answer."""
+        assert self._job is not None
+        assert isinstance(self._wait, Ask)
+        self._host = _Host(self._job, self._wait, self._aside, self._queue.report.tag)
+        self._job, self._begun, self._cuts = guest, False, False
+        self._aside = self._wait = None
+        self.question = ""
+
+    def _see_off(self) -> Status:
+        """The guest is over: the question is asked again."""
+        host, self._host = self._host, None
+        assert host is not None
+        if self._job is not None:
+            self._job.close()
+        self._job, self._wait, self._aside = host.job, host.wait, host.aside
+        self._begun, self._pending = True, None
+        self._cancel = self._held = self._resume = False
+        self._queue.poll()
+        # What the guest pushed and somebody stopped will never be finished.
+        self._queue.blocks = self._queue.finished
+        return Status.RUN
+
     def activate(self) -> Status:
         """One round: feed the queue, play a slice, see how it stands (ActivateMotoren)."""
         if self._held and self._aside is not None:
@@ -160,7 +203,7 @@ class Runner:
 
     def abandon(self) -> None:
         """Something unforeseen happened: the job is dropped, the motors stop at the next poll."""
-        self._job = self._pending = self._wait = None
+        self._job = self._pending = self._wait = self._host = None
         self.question = ""
         self._driver.stop()
 
@@ -225,7 +268,8 @@ class Runner:
             self._job = None
             return
         if isinstance(demand, Block):
-            self._pending = demand
+            # A guest's blocks belong to the place where its host waits.
+            self._pending = demand._replace(tag=self._host.tag) if self._host else demand
         else:
             self._wait = demand
 
@@ -261,10 +305,12 @@ class Runner:
             return self._end(Status.CANCEL)
         if self._cancel and not report.running:
             self._queue.drop()
+            if self._host is not None and self.failure is None:
+                return self._see_off()
             return self._end(Status.ERROR if self.failure else Status.CANCEL)
         owed = self._pending is not None or (self._aside is not None and self._aside.is_owed)
         if self._job is None and not owed and not report.queued and not self._cancel:
-            return self._end(Status.OK)
+            return self._end(Status.OK) if self._host is None else self._see_off()
         return Status.RUN
 
     def _is_alarm(self, ended: Ended) -> bool:
@@ -275,7 +321,9 @@ class Runner:
     def _end(self, status: Status) -> Status:
         if self._job is not None:
             self._job.close()
-        self._job = self._pending = self._wait = None
+        if self._host is not None:
+            self._host.job.close()
+        self._job = self._pending = self._wait = self._host = None
         self.question = ""
         self._queue.poll()
         return status

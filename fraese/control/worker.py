@@ -53,11 +53,13 @@ class Worker:
         self._news = threading.Condition()
         self._waiting: _Item | None = None
         self._doing: _Item | None = None
+        self._guest: _Item | None = None
         self._cancelled = False
         self._trouble = ""
         self._quit = False
         self._closing = threading.Lock()
         self._closed = False
+        controller.set_break_key(self._between)
         self._thread = threading.Thread(target=self._loop, name="machine", daemon=True)
 
     def start(self) -> None:
@@ -73,6 +75,8 @@ class Worker:
     def submit(self, command: Command, group: str = "") -> bool:
         """Do this next; False: it was not taken, since something else runs or waits.
 
+        While a job asks the operator something it is done at once, as the job's guest.
+
         Args:
             command: called in the thread; then the run loop works off what it started.
             group: while a command of the same group runs, this one may wait behind it.
@@ -80,6 +84,11 @@ class Worker:
         with self._news:
             if self._quit or self._waiting is not None:
                 return False
+            if self._doing is not None and self._controller.question:
+                if self._guest is not None:
+                    return False
+                self._guest = _Item(command, group)
+                return True
             if self._doing is not None and not (group and group == self._doing.group):
                 return False
             self._waiting = _Item(command, group)
@@ -117,7 +126,7 @@ class Worker:
 
     def _forget(self) -> None:
         with self._news:
-            self._waiting = None
+            self._waiting = self._guest = None
             self._cancelled = True
 
     def _take(self) -> _Item | None:
@@ -128,6 +137,24 @@ class Worker:
             self._cancelled = False
             return self._doing
 
+    def _between(self) -> None:
+        """Between two slices of a job: a guest's turn; who closes waits for nobody's answer."""
+        with self._news:
+            guest, self._guest = self._guest, None
+            leaves = self._quit
+        if leaves:
+            self._controller.cancel()
+        if guest is None:
+            return
+        try:
+            guest.command()
+        except FraeseError as error:
+            self._on_refusal(str(error))
+        except Exception as error:
+            log.write("worker", "_between", "error", repr(error))
+            self._controller.stop()
+            self._on_refusal(f"Stopped by an error in the program: {error!r}.")
+
     def _loop(self) -> None:
         while not self._quit:
             since = time.monotonic()
@@ -137,7 +164,7 @@ class Worker:
             else:
                 self._do(item.command)
                 with self._news:
-                    self._doing = None
+                    self._doing = self._guest = None
             self._on_idle()
 
     def _idle(self, elapsed_s: float) -> None:

@@ -31,15 +31,25 @@ class WorkOffsets:
         self._axes = axes
         self._kept: InForce = {}, WorkFrame.of({}, axes)
         self._followed: Callable[[], InForce] | None = None
+        self._put: Callable[[Mapping[int, float]], object] = self.replace
 
     def replace(self, parameters: Mapping[int, float]) -> None:
         """Take up what a program left, or what was kept."""
-        self._followed = None
+        self._followed, self._put = None, self.replace
         self._kept = dict(parameters), WorkFrame.of(parameters, self._axes)
 
-    def follow(self, in_force: Callable[[], InForce]) -> None:
-        """A program runs: ask there, from any thread, until ``replace``."""
-        self._followed = in_force
+    def follow(
+        self,
+        in_force: Callable[[], InForce],
+        put: Callable[[Mapping[int, float]], object],
+    ) -> None:
+        """A program runs: ask there, from any thread, until ``replace``.
+
+        Args:
+            in_force: what holds where the motors are.
+            put: told what a person changes while the program waits for him.
+        """
+        self._followed, self._put = in_force, put
 
     def _in_force(self) -> InForce:
         followed = self._followed
@@ -79,4 +89,4 @@ class WorkOffsets:
             for place, value, letter in zip(places, offset, self._axes, strict=True)
             if letter in moved
         }
-        self.replace({**self.parameters, **changes})
+        self._put({**self.parameters, **changes})

@@ -8,7 +8,8 @@ Rule 3  Some moves are questions to the outside (``BARRIERS``): whoever consumes
         generator answers them with ``send(Facts(...))`` once the machine stands still.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Literal
 
@@ -197,8 +198,10 @@ class Facts:
         position_mm: where the machine stands now.
         touched: whether the probe changed; without meaning for other barriers.
         contact_mm: where it changed; None means at ``position_mm``.
+        parameters: persistent parameters that a person has changed meanwhile, by number.
     """
 
     position_mm: Point
     touched: bool = False
     contact_mm: Point | None = None
+    parameters: Mapping[int, float] = field(default_factory=dict)

@@ -148,7 +148,7 @@ class Interpreter:
                     changes = parameters.changes
                     yield Offsets(motion.line)
                 facts = yield move
-                if type(move) in BARRIERS:
+                if facts is not None or type(move) in BARRIERS:
                     self._answer(move, facts)
                 if flow.idle_lines and self._gets_on(move):
                     flow.idle_lines = 0
@@ -237,8 +237,10 @@ class Interpreter:
     def _answer(self, move: Move, facts: Facts | None) -> None:
         if isinstance(move, Probe):
             self._motion.probed(move, facts)
-        elif facts is not None and not self._cutter.acts:
-            self._motion.at = self._motion.coordinates.frame.to_work(facts.position_mm)
+        elif facts is not None:
+            self._motion.coordinates.take_up(facts.parameters)
+            if not self._cutter.acts:
+                self._motion.at = self._motion.coordinates.frame.to_work(facts.position_mm)
 
     def _message(self, comment: str) -> Moves:
         found = messages.read(comment, self.parameters)

@@ -65,6 +65,13 @@ class Coordinates:
         self._parameters.set(ACTIVE_SYSTEM, float(system))
         self.frame = self.of_system(system)
 
+    def take_up(self, changed: Mapping[int, float]) -> None:
+        """A person has changed these parameters; they are in force at once."""
+        for number, value in changed.items():
+            self._parameters.keep(number, value)
+        if changed:
+            self.select(self.frame.system)
+
     def set_g92(self, point: Point, active: bool, keep: bool = False) -> None:
         """Set G92 offsets; ``keep`` leaves the stored numbers alone."""
         if not keep:

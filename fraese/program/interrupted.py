@@ -11,9 +11,9 @@ Rule 3: work offsets that a person has changed since count (a new tool was touch
         program sets them itself.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
@@ -34,10 +34,11 @@ class Answer(BaseModel):
     position_mm: tuple[float, ...]
     touched: bool = False
     contact_mm: tuple[float, ...] | None = None
+    parameters: dict[int, float] = {}
 
     def facts(self) -> canon.Facts:
         """For the interpreter."""
-        return canon.Facts(self.position_mm, self.touched, self.contact_mm)
+        return canon.Facts(self.position_mm, self.touched, self.contact_mm, self.parameters)
 
 
 class Interrupted(BaseModel):
@@ -51,6 +52,7 @@ class Interrupted(BaseModel):
         referenced: and these axes referenced.
         parameters: persistent parameters of the language then.
         changed: those that were others in the end.
+        visited: those that a person had changed at the question that was not answered.
         answers: what barriers were answered, by the number of their move; None: too many to keep.
         move: number of the move in hand; 0: none had begun.
         line: its line.
@@ -65,6 +67,7 @@ class Interrupted(BaseModel):
     referenced: tuple[bool, ...]
     parameters: dict[int, float]
     changed: dict[int, float]
+    visited: dict[int, float] = {}
     answers: dict[int, Answer] | None
     move: int
     line: int
@@ -127,7 +130,7 @@ class Interrupted(BaseModel):
 
     def context(self, now: ProgramContext) -> ProgramContext:
         """The machine as the program found it, with what a person has changed since."""
-        parameters = dict(self.parameters)
+        parameters = {**self.parameters, **self.visited}
         for number in self._touched(now.parameters):
             if number not in self.changed:
                 parameters[number] = now.parameters.get(number, 0.0)
@@ -169,6 +172,20 @@ def cut_short(kept: Mapping[str, Any] | None) -> tuple[str, ...]:
     return (f"{left.name} was cut short in line {left.line}: fraese resume goes on with it.",)
 
 
+class Heard(Protocol):
+    """What a running program has been told.
+
+    Attributes:
+        answers: what barriers were answered, by the number of their move; goes on growing.
+        visited: what a person has changed since the program asked for him last, and
+        visited_at: the number of the move that did so.
+    """
+
+    answers: dict[int, canon.Facts]
+    visited: Callable[[], Mapping[int, float]]
+    visited_at: int
+
+
 class JobNote:
     """What is kept of a job while it runs, to be read as ``Interrupted``.
 
@@ -176,17 +193,11 @@ class JobNote:
         name: of the program.
         content_hash: of what it holds.
         start: the machine as it finds it.
-        answers: what barriers were answered, by the number of their move; goes on growing.
+        heard: what it has been told so far.
     """
 
-    def __init__(
-        self,
-        name: str,
-        content_hash: str,
-        start: ProgramContext,
-        answers: Mapping[int, canon.Facts],
-    ) -> None:
-        self._answers = answers
+    def __init__(self, name: str, content_hash: str, start: ProgramContext, heard: Heard) -> None:
+        self._heard = heard
         self._before = start.parameters
         self._fixed: dict[str, Any] = {
             "name": name,
@@ -206,11 +217,15 @@ class JobNote:
         """
         before, move = self._before, move_of(tag)
         answers = {
-            number: asdict(facts) for number, facts in dict(self._answers).items() if number < move
+            number: {name: value for name, value in asdict(facts).items() if value}
+            for number, facts in dict(self._heard.answers).items()
+            if number < move
         }
         return {
             **self._fixed,
             "changed": {n: v for n, v in parameters.items() if before.get(n, 0.0) != v},
+            # Later it is among the answers.
+            "visited": dict(self._heard.visited()) if self._heard.visited_at >= move else {},
             "answers": answers if len(answers) <= _MOST_ANSWERS else None,
             "move": move,
             "line": line_of(tag),

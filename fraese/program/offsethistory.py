@@ -8,11 +8,14 @@ Rule 1: what was read ahead but not reached does not count: a program that is ca
         offsets of the block at which it ended.
 """
 
+from collections.abc import Mapping
+
 from fraese.control.controller import Controller
 from fraese.control.workoffsets import InForce
 from fraese.gcode import canon
 from fraese.program.source import ProgramSource
 from fraese.program.translate import Moves, Translation
+from fraese.workframe import WorkFrame
 
 
 class OffsetHistory:
@@ -57,6 +60,11 @@ class OffsetHistory:
         entries, finished = self._entries, self._controller.blocks_finished()
         passed = sum(blocks <= finished for blocks, _ in entries[1:])
         return entries[passed:]
+
+    def put(self, parameters: Mapping[int, float]) -> None:
+        """A person has changed something while the program waits: nothing was read ahead."""
+        axes = self._source.frame.axes
+        self._entries = ((0, (dict(parameters), WorkFrame.of(parameters, axes))),)
 
     def close(self) -> None:
         """The program was played to its end."""

@@ -170,7 +170,7 @@ class Program:
         news = told if past is None else ""
 
         def job() -> Job:
-            controller.position.offsets.follow(history.in_force)
+            controller.position.offsets.follow(history.in_force, history.put)
             try:
                 guarded = Survey(context, source).guard(history.watch(moves), str(self.path))
                 yield from translation.blocks(guarded)
@@ -189,7 +189,7 @@ class Program:
             detour=Retract(controller.position, retract_mm)
             if (retract_mm := context.retract_mm())
             else None,
-            note=JobNote(self.name, self.content_hash, begun.found, translation.answers).at,
+            note=JobNote(self.name, self.content_hash, begun.found, translation).at,
         )
         if news or unkept:
             controller.say(" ".join(text for text in (news and news + _AS_OPENED, unkept) if text))

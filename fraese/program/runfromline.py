@@ -98,6 +98,7 @@ class Beginning:
                 at = facts.position_mm if facts else move.to
             elif isinstance(move, _REPEATED):
                 kept[type(move)] = move
+                at = facts.position_mm if facts else at
         numbers.leave()
         yield canon.Offsets(move.line)
         yield from self._way_to(at, kept, move.line)

@@ -8,7 +8,7 @@ Rule 4: a probe that shares the end switches' input still touches when its move 
         is free, moves away from the contact or along it are let through, none further in.
 """
 
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Mapping
 from typing import Any, Final
 
 from fraese import alarms
@@ -20,6 +20,7 @@ from fraese.gcode import canon
 from fraese.motor.seams import Ended, Report
 from fraese.planner.planner import Planner
 from fraese.program.context import ProgramContext
+from fraese.program.visit import Visit
 from fraese.workframe import Point
 
 Moves = Generator[canon.Move, canon.Facts | None, None]
@@ -71,6 +72,8 @@ class Translation:
         planner: what makes blocks of moves.
         numbers: of the move in hand.
         answers: what barriers were answered, by the number of their move.
+        visited: what a person has changed since the program asked for him last, and
+        visited_at: the number of the move that did so.
     """
 
     def __init__(self, context: ProgramContext, controller: Controller | None) -> None:
@@ -80,6 +83,8 @@ class Translation:
         self._probed_way: tuple[float, ...] = ()
         self.numbers = Numbers()
         self.answers: dict[int, canon.Facts] = {}
+        self.visited: Callable[[], Mapping[int, float]] = dict
+        self.visited_at = 0
         self.planner = Planner(
             context.machine, context.start_steps, context.options(), context.slack_steps
         )
@@ -175,7 +180,7 @@ class Translation:
             else "Spindle off"
         )
         if self._context.config.run.confirm_spindle:
-            yield from self._ask(f"{text}: confirm.")
+            return (yield from self._ask(f"{text}: confirm.", move))
         else:
             self._say(f"Line {move.line}: {text} (switched by hand).")
         return None
@@ -202,19 +207,32 @@ class Translation:
     def _pause(self, move: canon.Pause) -> Part:
         if move.optional and not self._context.config.run.optional_stop:
             return None
-        return (yield from self._ask(f"Program stop in line {move.line}: go on?"))
+        return (yield from self._ask(f"Program stop in line {move.line}: go on?", move))
 
     def _tool(self, move: canon.Tool) -> Part:
-        return (
-            yield from self._ask(f"Tool change in line {move.line}: put in tool {move.number}.")
-        )
+        question = f"Tool change in line {move.line}: put in tool {move.number}."
+        return (yield from self._ask(question, move))
 
-    def _ask(self, question: str) -> Part:
+    def _ask(self, question: str, move: canon.Move) -> Part:
         yield from _each(self.planner.drain())
-        if self._controller is None:
+        controller = self._controller
+        if controller is None:
             return None
+        yield STANDSTILL
+        visit = Visit(controller, self._context)
+        self.visited, self.visited_at = (lambda: visit.changed), move_of(self.numbers.high)
         yield Ask(question)
-        return None
+        while (back := visit.show()) is not None:
+            yield Ask(back.question)
+        if visit.is_nothing:
+            return None
+        at = controller.position
+        self.planner.reset(at.position_steps, at.slack_steps)
+        for point, feed_mm_min in visit.way().legs:
+            yield from _each(self.planner.line(point, feed_mm_min, self._tag(move)))
+        yield from _each(self.planner.drain())
+        yield STANDSTILL
+        return visit.facts()
 
     def _probe(self, move: canon.Probe) -> Part:
         controller = self._controller

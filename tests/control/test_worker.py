@@ -9,7 +9,8 @@ import pytest
 from fraese.assembly import Plant, assemble
 from fraese.blocks import Block
 from fraese.config import Config
-from fraese.control.jobs import Job
+from fraese.control.jobs import Ask, Job
+from fraese.control.lines import axis_line
 from fraese.control.state import Status
 from fraese.control.worker import Worker
 from fraese.errors import PortError, ProbeError
@@ -189,3 +190,58 @@ def test_an_error_that_waits_is_not_acknowledged_by_a_refusal(rig: Rig) -> None:
 def failing() -> Job:
     yield from ()
     raise ProbeError("never touched")
+
+
+def asking(rig: Rig) -> None:
+    """A job that asks, moves, and is over."""
+
+    def job() -> Job:
+        yield Ask("Well?")
+        yield from axis_line(rig.controller.position, 0, 200, None, None)
+
+    rig.worker.submit(lambda: rig.controller.start("asks", job()))
+    rig.wait(lambda: rig.controller.question == "Well?")
+
+
+def test_while_a_job_asks_commands_are_done_and_refused(rig: Rig) -> None:
+    asking(rig)
+    controller = rig.controller
+    assert rig.worker.submit(lambda: controller.jog("y", 1))
+    rig.wait(lambda: controller.position.position_steps == (0, 200, 0))
+    rig.wait(lambda: controller.question == "Well?")
+    assert rig.worker.submit(lambda: controller.home(["x"]))
+    rig.wait(lambda: bool(rig.refused))
+    assert "The machine runs" in rig.refused[0]
+    assert controller.question == "Well?"
+    controller.answer()
+    rig.wait()
+    assert controller.position.position_steps == (200, 200, 0)
+
+
+def test_a_stop_ends_what_is_done_meanwhile_first(rig: Rig) -> None:
+    asking(rig)
+    rig.worker.submit(lambda: rig.controller.jog("y", 50))
+    rig.wait(lambda: rig.controller.state().running)
+    rig.worker.cancel()
+    rig.wait(lambda: rig.controller.question == "Well?")
+    assert 0 < rig.controller.position.position_steps[1] < 10_000
+    rig.worker.cancel()
+    rig.wait()
+    assert rig.controller.status is Status.OK
+
+
+def test_who_closes_waits_for_no_answer_and_no_guest(rig: Rig) -> None:
+    asking(rig)
+    rig.worker.submit(lambda: rig.controller.jog("y", 50))
+    rig.wait(lambda: rig.controller.state().running)
+    since = time.monotonic()
+    rig.worker.close()
+    assert time.monotonic() - since < 5
+    assert rig.controller.status is not Status.RUN
+
+
+def test_a_mistake_of_a_guest_stops_everything(rig: Rig) -> None:
+    asking(rig)
+    rig.worker.submit(lambda: 1 / 0)
+    rig.wait()
+    assert "ZeroDivisionError" in rig.refused[0]

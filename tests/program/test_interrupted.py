@@ -17,6 +17,7 @@ from fraese.journal.pages import MOST_BYTES
 from fraese.program import Program
 from fraese.program.context import ProgramContext
 from fraese.program.interrupted import Interrupted, JobNote
+from fraese.program.translate import Translation
 from fraese.program.way import way_of
 from fraese.workframe import FIRST_SYSTEM, PERSISTENT, ROTATION, SYSTEM_STRIDE, SYSTEMS
 from tests.helpers import (
@@ -278,8 +279,10 @@ def test_the_largest_job_fits_a_record() -> None:
         ProgramContext.of(assemble(axes).controller),
         parameters={n: long for n in PERSISTENT if (n - 5161) % 20 < 4 or n in ROTATIONS},
     )
-    facts = canon.Facts((long,) * 4, touched=True, contact_mm=(long,) * 4)
-    note = JobNote("n" * 255, "f" * 64, start, dict.fromkeys(range(1, 65), facts))
+    facts = canon.Facts((long,) * 4, touched=True, contact_mm=(long,) * 4, parameters={5223: long})
+    heard = Translation(start, None)
+    heard.answers = dict.fromkeys(range(1, 65), facts)
+    note = JobNote("n" * 255, "f" * 64, start, heard)
     now = {number: -value for number, value in start.parameters.items()}
     state = assemble(axes).controller.keep().model_copy(update={"job": note.at(99 << 32, now)})
     state = state.model_copy(update={"parameters": now, "simulation": ((long,) * 4,) * 4})

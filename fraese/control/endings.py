@@ -1,0 +1,22 @@
+"""Why the motors stopped, where no job says so."""
+
+from fraese.control.endswitches import EndSwitches
+from fraese.control.position import Position
+from fraese.errors import FraeseError, SilenceAlarm, StopAlarm
+from fraese.motor.seams import Ended, Report
+
+
+def alarm(report: Report, position: Position, switches: EndSwitches) -> FraeseError:
+    """What is to be said, with the place where they stand."""
+    ended, where = report.ended, position.in_words()
+    if ended is Ended.SILENCE:
+        return SilenceAlarm(
+            "The program did not look after the motors for too long; they were braked and"
+            f" switched off at {where}."
+        )
+    if ended is Ended.STOP:
+        return StopAlarm(
+            f"The motors stopped at {where}, and nobody here had asked for it: look at the line"
+            " and at who else uses it."
+        )
+    return switches.alarm()
