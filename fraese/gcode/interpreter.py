@@ -238,6 +238,12 @@ class Interpreter:
         if isinstance(move, Probe):
             self._motion.probed(move, facts)
         elif facts is not None:
+            if facts.parameters and self._cutter.acts:
+                # A move that was read already waits with the offsets of before.
+                raise ProgramError(
+                    "work offsets were changed by hand while cutter compensation was on: end it"
+                    " (G40) before a stop at which a tool is touched off"
+                )
             self._motion.coordinates.take_up(facts.parameters)
             if not self._cutter.acts:
                 self._motion.at = self._motion.coordinates.frame.to_work(facts.position_mm)

@@ -218,3 +218,17 @@ def test_a_program_that_is_cut_short_afterwards_keeps_the_tool(
     assert controller.run() is Status.OK
     assert controller.state().work_mm == pytest.approx((20, 10, 5))
     assert machine_mm(made) == pytest.approx((20, 10, -10))
+
+
+def test_under_cutter_compensation_no_tool_can_be_touched_off(tmp_path: Path) -> None:
+    """A move that was read already would go down to where the old tool was."""
+    made, lowest = on_the_work(), []
+    controller = made.controller
+    text = "G0 X5 Y5 Z5\nG41.1 D2\nG1 X10 F600\nX20\nM0\nX30\nG40\nG0 X40\nM2\n"
+    Person(made, lambda: controller.jog("z", 10), lambda: controller.set_zero("z"))
+    controller.set_show_pos(
+        lambda: lowest.append(machine_mm(made)[2]) if machine_mm(made)[0] > 20.1 else None
+    )
+    assert run_program(made, program(tmp_path, text)) is Status.ERROR
+    assert "cutter compensation" in controller.state().message
+    assert lowest == []
