@@ -8,6 +8,8 @@ _B: Final = "fraese/motor/bridge/"
 _T: Final = "tests/bridge/"
 _LINK: Final = (_T + "test_link.py",)
 _ACCOUNT: Final = (_T + "test_account.py",)
+_MAY_SAY: Final = tests_of("fuzz/test_bridge.py", "test_a_device_may_say_anything")
+_MACHINE: Final = tests_of("fuzz/test_bridge.py", "test_a_machine_on_such_a_device")
 _DRIVER: Final = (_T + "test_driver.py",)
 
 MUTANTS: Final = (
@@ -216,5 +218,29 @@ MUTANTS: Final = (
         "        if reply.version != PROTOCOL_VERSION:\n            raise",
         "        if False:\n            raise",
         ("tests/bridge/test_greeting.py",),
+    ),
+    Mutant(
+        "bridge/account: a place beyond a block is believed",
+        "a device that talks nonsense moves the position to where nobody wanted to go",
+        _B + "account.py",
+        "if sent is not None and not sent.has(place):",
+        "if False:",
+        _MAY_SAY,
+    ),
+    Mutant(
+        "bridge/picture: an edge is due whenever a STATUS says so",
+        "a device that moves for ever and gets nowhere is waited for for ever",
+        _B + "picture.py",
+        "        if status.place != before.place or ",
+        "        if True or ",
+        _MACHINE,
+    ),
+    Mutant(
+        "bridge/driver: one that moves with nothing to play is only not at standstill",
+        "the end of a job is an error of the program itself",
+        _B + "driver.py",
+        "if not picture.stands and picture.account.queued:",
+        "if not picture.stands:",
+        _MACHINE,
     ),
 )

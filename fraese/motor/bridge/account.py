@@ -16,9 +16,9 @@ Rule 3: what a contact or a watch tells is worked out when it is first told, whi
 from collections import deque
 from typing import Final, NamedTuple
 
-from fraese.blocks import Block, steps_done
+from fraese.blocks import OVERRIDES, Q8, RATE_Q8_CYCLES, Block, steps_done
 from fraese.motor.bridge.codec import Place, Status
-from fraese.motor.bridge.constants import More, State
+from fraese.motor.bridge.constants import ENDED_NAMES, More, State
 from fraese.motor.bridge.ledger import Ledger, StepCounts
 from fraese.motor.seams import End
 
@@ -54,6 +54,13 @@ class _Sent(NamedTuple):
     def counts(self, done: int, moved: int) -> Counts:
         """After so many of its ticks, and the step of some motors more."""
         return self.start.after(steps_in(self.block.steps, self.ticks, done, moved))
+
+    def has(self, place: Place) -> bool:
+        """It may be there: nothing of it is more than was sent."""
+        if place.done > self.ticks:
+            return False
+        made = steps_in(self.block.steps, self.ticks, place.done, place.moved)
+        return all(abs(part) <= abs(n) for part, n in zip(made, self.block.steps, strict=True))
 
 
 def steps_in(steps: StepCounts, ticks: int, done: int, moved: int) -> StepCounts:
@@ -161,6 +168,20 @@ class Account:
         return self._in_hand is not None and any(self._in_hand.block.steps)
 
     @property
+    def longest_cycles(self) -> int:
+        """No tick of the block in hand takes longer, at the lowest override; 0: there is none."""
+        block = self._in_hand and self._in_hand.block
+        if not block:
+            return 0
+        ends_q8 = [
+            q8 for each in block.pieces for q8 in (each.interval_q8, each.last_interval_q8())
+        ]
+        slowest = [max(ends_q8, default=0) // Q8]
+        if block.jump_rate_q8:
+            slowest.append(RATE_Q8_CYCLES // block.jump_rate_q8)
+        return round(max(slowest) / OVERRIDES[0])
+
+    @property
     def queued(self) -> int:
         """Blocks that wait, or are in hand."""
         return self.pushed - self._playing + (self._in_hand is not None)
@@ -173,6 +194,19 @@ class Account:
         return tuple((min(steps), max(steps)) for steps in zip(*reached, strict=True))
 
     # --- what the device says --------------------------------------------------------------------
+
+    def contradiction(self, status: Status) -> str:
+        """Why this STATUS cannot be, a part of a sentence; empty: it can."""
+        if status.ended >= len(ENDED_NAMES):
+            return f"reason {status.ended} for a standstill"
+        places = [status.place]
+        if status.state & State.LATCHED:
+            places.append(status.latched)
+        for place in places:
+            sent = self._by_serial.get(place.serial)
+            if sent is not None and not sent.has(place):
+                return f"tick {place.done} of a block of {sent.ticks}"
+        return ""
 
     def see(self, status: Status, *, dropped: bool) -> None:
         """Take a STATUS.

@@ -151,11 +151,5 @@ MOST_PIECES: Final = 255
 
 
 def ended_of(number: int) -> Ended:
-    """The reason behind its number on the line.
-
-    Raises:
-        ValueError: if there is no such number.
-    """
-    if number >= len(ENDED_NAMES):
-        raise ValueError(f"no reason has the number {number}")
-    return Ended(ENDED_NAMES[number])
+    """The reason behind its number on the line; a number that there is not says nothing."""
+    return Ended(ENDED_NAMES[number]) if number < len(ENDED_NAMES) else Ended.NOT

@@ -292,15 +292,8 @@ class BridgeDriver:
 
     def _confirm_shouts(self, session: Session) -> None:
         """Wait until the device has counted what was shouted."""
-        link = session.link
-
-        def confirmed() -> bool:
-            if not (link.wants(c.URGENT_BRAKE) or link.wants(c.URGENT_STOP)):
-                return True
-            link.ask()
-            return False
-
-        session.pump_until(confirmed)
+        wants = session.link.wants
+        session.ask_until(lambda: not (wants(c.URGENT_BRAKE) or wants(c.URGENT_STOP)))
 
     def _drop(self, session: Session, ended: Ended) -> None:
         """Drop the queue of a device that stands, and what never got there."""
@@ -322,8 +315,11 @@ class BridgeDriver:
 
     def _require_standstill(self, session: Session, what: str) -> None:
         self._look(session)
-        if not self._picture.stands:
+        picture = self._picture
+        if not picture.stands and picture.account.queued:
             raise StateError(f"The motors run: {what} at standstill; brake or stop first.")
+        # It has nothing left to play.
+        session.ask_until(lambda: picture.stands)
 
     def _shout(self, byte: int) -> None:
         session = self._session
@@ -333,7 +329,15 @@ class BridgeDriver:
                 session.shout(byte)
 
     def _hear(self, session: Session, status: Status) -> None:
-        """Every STATUS comes by here."""
+        """Every STATUS comes by here.
+
+        Raises:
+            PortError: if it says what cannot be: whoever does so is not believed the rest either.
+        """
+        if what := self._picture.account.contradiction(status):
+            raise PortError(
+                f"The bridge on {self._name} says what cannot be ({what})", alarms.BRIDGE_STUCK
+            )
         dropped = status.ack.epoch != session.link.epoch
         if dropped:
             session.link.epoch = status.ack.epoch

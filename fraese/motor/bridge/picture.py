@@ -41,7 +41,7 @@ class Picture:
         self._base_phases = card.phases()
         self._is_torn = False
         self._late_ticks = self._dry_queues = 0
-        self._status_ns = 0
+        self._edge_ns = 0
         self.account = Account(card.motors, ledger=ledger)
         self.status: Status
         self.ended = Ended.NOT
@@ -76,7 +76,9 @@ class Picture:
             now_ns: when it came.
             dropped: its epoch is a new one.
         """
-        before, self.status, self._status_ns = self.status, status, now_ns
+        before, self.status = self.status, status
+        if status.place != before.place or bool(before.state & State.MOVING) == self.stands:
+            self._edge_ns = now_ns
         self._late_ticks += (status.late_ticks - before.late_ticks) & 0xFFFF
         self._dry_queues += (status.dry_queues - before.dry_queues) & 0xFF
         self.account.see(status, dropped=dropped)
@@ -122,6 +124,7 @@ class Picture:
         account, status, state = self.account, self.status, self.status.state
         every = frozenset(range(self._card.motors))
         cycles = 0 if self.stands else status.interval_cycles
+        due_ns = self._edge_ns + min(cycles, account.longest_cycles) * _NS_PER_S // CYCLES_PER_S
         return Report(
             position_steps=account.counts.position,
             travelled_steps=account.counts.travelled,
@@ -131,7 +134,7 @@ class Picture:
             tick=account.tick,
             free=max(0, min(capacity - account.queued, room)),
             queued=account.queued,
-            due_ns=self._status_ns + cycles * _NS_PER_S // CYCLES_PER_S if cycles else 0,
+            due_ns=due_ns if cycles else 0,
             rate_hz=CYCLES_PER_S / cycles if cycles and account.moves else 0.0,
             running=self.runs,
             held=self.held,

@@ -200,6 +200,21 @@ class Session:
         """The same at a stretch."""
         return finish(self.asking())
 
+    def ask_until(self, done: Callable[[], bool]) -> None:
+        """Ask, and again, until something is so.
+
+        Raises:
+            PortError: as ``pumping``.
+        """
+
+        def is_done() -> bool:
+            if done():
+                return True
+            self.link.ask()
+            return False
+
+        self.pump_until(is_done)
+
     def shout(self, byte: int) -> None:
         """Say brake or stop. From any thread.
 

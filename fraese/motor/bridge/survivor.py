@@ -27,7 +27,7 @@ from fraese.motor.bridge.constants import (
 from fraese.motor.bridge.ledger import Book, Entry, StepCounts
 from fraese.motor.bridge.line import Line, OpenLine
 from fraese.motor.realtime.lastwords import LastWords
-from fraese.motor.seams import Clock, Ended
+from fraese.motor.seams import Clock
 
 #: A device that is there answers within some milliseconds; one that was reset waits in its boot
 #: loader, and knows nothing.
@@ -144,7 +144,7 @@ def words_of(status: Status, book: Book) -> LastWords | None:
         position_steps=counts,
         phases=phases,
         torn=_torn(status, book),
-        ended=_ended(status),
+        ended=ended_of(status.ended),
     )
 
 
@@ -170,11 +170,3 @@ def _torn(status: Status, book: Book) -> frozenset[int]:
     entry = book.entry(serial)
     steps = entry.steps if entry else (1,) * len(book.counts)
     return frozenset(motor for motor, n in enumerate(steps) if n)
-
-
-def _ended(status: Status) -> Ended:
-    """A reason of a later version says nothing here."""
-    try:
-        return ended_of(status.ended)
-    except ValueError:
-        return Ended.NOT
