@@ -111,7 +111,8 @@ class Trial:
     def do(self, action: Callable[[], object], budget_s: float = 0.0) -> str:
         """One sentence, or none; within the time that such a call may take."""
         since_ns = self.clock.now_ns()
-        said = refusal_of(action)
+        # Virtual time is what counts; a busy machine takes its own.
+        said = refusal_of(action, 60)
         assert is_a_sentence(said)
         took_s = (self.clock.now_ns() - since_ns) / 1e9
         assert took_s <= budget_s + _LONGEST_CALL_S, (took_s, said)
@@ -278,6 +279,7 @@ class Shop(Trial):
 )
 @example([Lie("bent", status={1: 5, 8: 0xFFFFFFFF})], True, 20, [("x", 2.0)])
 @example([Lie("bent", status={1: 5})], True, 26, [("x", 2.0)])
+@example([Lie("bent", status={1: 3}), Lie("bent", status={1: 0, 2: 0})], True, 9, [("x", -1.0)])
 @example([Lie("bent", status={1: 5, 2: 3, 4: 1, 5: 7, 8: 16_000})], True, 22, [("x", 2.0)])
 def test_a_machine_on_such_a_device(
     script: list[Lie], for_ever: bool, honest: int, jobs: list[tuple[str, float]]

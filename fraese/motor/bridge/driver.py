@@ -99,8 +99,9 @@ class BridgeDriver:
         self._capacity = capacity
         self._mode = SwitchMode.STOP
         self._override_q8 = self._override_sent_q8 = Q8
-        self._stopping = False
-        self._closed = False
+        self._stopping = self._closed = False
+        #: Told to go on, and not looked at since.
+        self._resumed = False
         self._ledger = ledger
         self._picture = Picture(card, has_table=bool(facts.table), ledger=ledger)
         self._session: Session | None = None
@@ -140,7 +141,7 @@ class BridgeDriver:
         if self._session is None:
             self._require_open()
             self._search.look()
-        picture = self._picture
+        picture, self._resumed = self._picture, False
         with self._guarded() as session:
             if picture.stands or budget_s < 2 * _ANSWER_S:
                 self._look(session)
@@ -170,6 +171,7 @@ class BridgeDriver:
     def resume(self) -> None:
         """Open the throttle again; not while braking for a watch that ends the run."""
         with self._guarded() as session:
+            self._resumed = True
             self._confirm_shouts(session)
             session.command(c.KIND_RESUME)
 
@@ -314,11 +316,11 @@ class BridgeDriver:
         return (until_ns - self._clock.now_ns()) / _NS_PER_S
 
     def _require_standstill(self, session: Session, what: str) -> None:
+        picture, stood = self._picture, self._picture.stands and not self._resumed
         self._look(session)
-        picture = self._picture
-        if not picture.stands and picture.account.queued:
+        if not (picture.stands or stood) and picture.account.queued:
             raise StateError(f"The motors run: {what} at standstill; brake or stop first.")
-        # It has nothing left to play.
+        # It has nothing left to play, or stood and was not told to go on.
         session.ask_until(lambda: picture.stands)
 
     def _shout(self, byte: int) -> None:
