@@ -2,12 +2,14 @@
 
 import json
 from collections import Counter
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
+from bench.campaign import __main__ as command
 from bench.campaign.claims import Claim, claim_of
-from bench.campaign.frame import Attempt, Kind, Outcome, campaign
+from bench.campaign.frame import Attempt, Kind, Late, Outcome, campaign
 from bench.campaign.kinds import KINDS
 from tests.rigs.lpt.shop import Answer
 
@@ -48,6 +50,47 @@ def test_chance_follows_from_seed_kind_and_number_however_many_run_at_once() -> 
     assert row.figures == campaign(kind(attempt), tries=6, seed=4, jobs=3).figures
     assert row.figures != campaign(kind(attempt), tries=6, seed=5).figures
     assert len(set(row.figures)) == 6
+
+
+def test_what_was_late_is_tried_again_and_late_each_time_is_unaccounted_for() -> None:
+    tried: Counter[int] = Counter()
+
+    def attempt(given: Attempt) -> Outcome:
+        tried[given.number] += 1
+        if tried[given.number] <= 2 * given.number:
+            raise Late("braked only after 3 s")
+        return Outcome(figure=given.number)
+
+    row = campaign(kind(attempt), tries=3)
+    assert (row.tries, row.unaccounted, row.repeated) == (3, 1, 2)
+    assert row.figures == [0, 1]
+    assert tried == {0: 1, 1: 3, 2: 3}
+    assert row.complaints == [(2, "1 (late each time: braked only after 3 s)")]
+
+
+def test_kinds_are_tried_in_turns_and_the_table_is_complete(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tried = []
+
+    def told(name: str) -> Kind:
+        def attempt(_: Attempt) -> Outcome:
+            tried.append(name)
+            return Outcome(figure=1)
+
+        return Kind(name, "steps", attempt, many=3)
+
+    kinds = (told("one"), told("another"), replace(told("none"), missing=lambda: "no gcc"))
+    monkeypatch.setattr(command, "KINDS", kinds)
+    assert command.main(["--round", "2"]) == 0
+    assert tried == ["one", "one", "another", "another", "one", "another"]
+    said = capsys.readouterr()
+    assert said.out.splitlines()[2:] == [
+        "| one | 3 | 0 | 1 | 1 | steps |",
+        "| another | 3 | 0 | 1 | 1 | steps |",
+        "| none | 0 | - | - | - | no gcc |",
+    ]
+    assert "2 of 3: | one" in said.err
 
 
 def test_a_row_says_kind_tries_unaccounted_median_and_worst() -> None:

@@ -6,17 +6,26 @@ import statistics
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
 #: So many attempts of a kind in the whole campaign, and in the short one.
 MANY: Final = 300
 FEW: Final = 5
+#: A machine that is late once too often is not busy.
+_REPEATS: Final = 2
 #: More complaints of a kind than this are only counted.
 _SHOWN: Final = 5
 #: Characters of a complaint; ``--only`` shows all.
 _NOTE: Final = 600
+
+
+class Late(Exception):
+    """A bound of time that only a machine with time to spare meets: the attempt is repeated.
+
+    What is late each time is unaccounted for.
+    """
 
 
 @dataclass(frozen=True)
@@ -44,12 +53,14 @@ class Outcome:
         figure: what the kind measures, in its unit; None: there was nothing to measure.
         note: what is to be said about it, where it is unaccounted for.
         missed: the fault came too late or too early to be one: another attempt is made.
+        repeats: how often it was late before.
     """
 
     unaccounted: int = 0
     figure: float | None = None
     note: str = ""
     missed: bool = False
+    repeats: int = 0
 
 
 @dataclass(frozen=True)
@@ -85,6 +96,7 @@ class Row:
         unaccounted: attempts with steps unaccounted for.
         figures: all that were measured.
         complaints: number and note of attempts that broke a promise.
+        repeated: attempts that were late at first.
     """
 
     kind: Kind
@@ -92,6 +104,7 @@ class Row:
     unaccounted: int
     figures: Sequence[float]
     complaints: Sequence[tuple[int, str]]
+    repeated: int = 0
 
     def __str__(self) -> str:
         worst = middle = "-"
@@ -106,11 +119,25 @@ HEAD: Final = "| kind | n | unaccounted | median | worst | measured |\n|---|---|
 
 def attempted(kind: Kind, seed: int, number: int) -> Outcome:
     """One attempt; whatever it raises is something unaccounted for."""
+    for repeats in range(_REPEATS):
+        try:
+            return replace(_once(kind, seed, number), repeats=repeats)
+        except Late:
+            continue
+    try:
+        return replace(_once(kind, seed, number), repeats=_REPEATS)
+    except Late as error:
+        return Outcome(unaccounted=1, note=f"late each time: {error}", repeats=_REPEATS)
+
+
+def _once(kind: Kind, seed: int, number: int) -> Outcome:
     chance = random.Random(f"{seed}/{kind.name}/{number}")
     # A fault's leftovers may hold files open for a moment: what cannot be removed is left.
     with tempfile.TemporaryDirectory(prefix="fraese-", ignore_cleanup_errors=True) as folder:
         try:
             return kind.attempt(Attempt(Path(folder), chance, number))
+        except Late:
+            raise
         except Exception as error:
             return Outcome(unaccounted=1, note=f"{type(error).__name__}: {error}")
 
@@ -132,6 +159,7 @@ class Tally:
         self._unaccounted = 0
         self._figures: list[float] = []
         self._complaints: list[tuple[int, str]] = []
+        self._repeated = 0
 
     def go_on(self, tries: int) -> None:
         """Attempts until so many more were no miss; at most twice as many as that."""
@@ -147,6 +175,7 @@ class Tally:
     def _take(self, number: int, outcome: Outcome) -> None:
         if not outcome.missed:
             self.done += 1
+            self._repeated += bool(outcome.repeats)
             self._unaccounted += bool(outcome.unaccounted)
             self._figures += [] if outcome.figure is None else [outcome.figure]
         if outcome.unaccounted:
@@ -155,7 +184,8 @@ class Tally:
     @property
     def row(self) -> Row:
         """For the table."""
-        return Row(self.kind, self.done, self._unaccounted, self._figures, self._complaints)
+        told = (self._figures, self._complaints, self._repeated)
+        return Row(self.kind, self.done, self._unaccounted, *told)
 
 
 def campaign(kind: Kind, tries: int, seed: int = 1, jobs: int = 1) -> Row:
@@ -184,5 +214,7 @@ def say(row: Row) -> None:
     print(row, flush=True)
     for number, note in row.complaints[:_SHOWN]:
         print(f"    --only {number}: {note[:_NOTE]}", flush=True)
+    if row.repeated:
+        print(f"    {row.repeated} repeated: the machine was late", flush=True)
     if len(row.complaints) > _SHOWN:
         print(f"    and {len(row.complaints) - _SHOWN} more", flush=True)

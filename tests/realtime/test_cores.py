@@ -73,6 +73,20 @@ def test_the_host_keeps_off_the_core_as_long_as_the_child_lives() -> None:
 
 
 @several
+def test_who_waits_for_its_death_may_be_woken_on_its_core_and_comes_first() -> None:
+    """That core is free then, and the others may be busy with anything."""
+    bench = ChildBench("smc", capacity=8, safe_outputs=0)
+    (watcher,) = [thread for thread in threading.enumerate() if thread.name == "step process"]
+    number = watcher.native_id
+    assert number is not None
+    assert os.sched_getaffinity(number) == set(HERE)
+    granted = os.sched_getscheduler(bench.driver.pid) & ~os.SCHED_RESET_ON_FORK
+    assert os.sched_getscheduler(number) & ~os.SCHED_RESET_ON_FORK == granted
+    assert os.sched_getscheduler(0) == os.SCHED_OTHER
+    bench.remove()
+
+
+@several
 def test_a_child_that_dies_gives_the_core_back() -> None:
     bench = ChildBench("smc", capacity=8, safe_outputs=0)
     os.kill(bench.driver.pid, signal.SIGKILL)

@@ -5,6 +5,8 @@
 Rule 1: a kernel without preemption lets whoever is inside a system call finish before it wakes the
         step process. So the threads of the host leave the core, and with them all that they start.
 Rule 2: when the step process has ended they may use it again.
+Rule 3: the thread that waits for that end stays where it likes: it sleeps until then, and then that
+        core is free, while the others may be busy with anything.
 """
 
 import contextlib
@@ -56,9 +58,14 @@ def quietest_core(kernel: KernelFacts) -> int | None:
 
 
 class KeptOff:
-    """The threads of this process, off the only core of another for as long as that lives."""
+    """The threads of this process, off the only core of another for as long as that lives.
+
+    Attributes:
+        sleeper: number of a thread that sleeps all that time, and may be woken anywhere.
+    """
 
     def __init__(self) -> None:
+        self.sleeper: int | None = None
         self._lock = threading.Lock()
         self._before: set[int] | None = None
         self._over = False
@@ -72,7 +79,7 @@ class KeptOff:
             theirs, ours = os.sched_getaffinity(pid), os.sched_getaffinity(0)
             if not self._over and len(theirs) == 1 and ours - theirs and ours & theirs:
                 self._before = ours
-                _put_all_threads_on(ours - theirs)
+                _put_all_threads_on(ours - theirs, self.sleeper)
 
     def come_back(self) -> None:
         """It has ended."""
@@ -83,8 +90,9 @@ class KeptOff:
                 self._before = None
 
 
-def _put_all_threads_on(cores: set[int]) -> None:
-    for thread in _THREADS.iterdir():
+def _put_all_threads_on(cores: set[int], sleeper: int | None = None) -> None:
+    for number in (int(thread.name) for thread in _THREADS.iterdir()):
         # It may have ended meanwhile.
         with contextlib.suppress(OSError):
-            os.sched_setaffinity(int(thread.name), cores)
+            if number != sleeper:
+                os.sched_setaffinity(number, cores)

@@ -3,7 +3,8 @@
 Rule 1: a subprocess, not a fork: it has nothing of the app's threads, terminal or locks. It has the
         parent's module path, and no streams: under the app there may be none.
 Rule 2: a thread waits for its death. Unless it left in order, the port is opened again at once and
-        the motors are switched off; only then anybody is told.
+        the motors are switched off; only then anybody is told. It is woken before all other
+        threads and programs, if it may, and on any core.
 Rule 3: the shared memory is given back when nobody holds it any more: ``brake`` may come late, from
         any thread.
 Rule 4: a parent that ends without closing tells the child so by its pipe, and stays until the
@@ -31,6 +32,7 @@ from fraese.motor.realtime.hostline import message
 from fraese.motor.realtime.memory import DOZING, STAGE, Memory
 from fraese.motor.realtime.rescue import switch_off
 from fraese.motor.realtime.setup import Setup
+from fraese.motor.realtime.system import come_first_when_woken
 from fraese.spawn import command, environment
 
 _MODULE: Final = "fraese.motor.realtime.child"
@@ -108,7 +110,9 @@ class ChildProcess:
         self._pipe = self._process.stdin
         self._started = False
         self._code = 0
-        threading.Thread(target=self._watch, name="step process", daemon=True).start()
+        watcher = threading.Thread(target=self._watch, name="step process", daemon=True)
+        watcher.start()
+        self._kept_off.sleeper = watcher.native_id
         atexit.register(self._end_with_it)
         self._hand_over(setup)
         self.notes = self._wait_until_ready()
@@ -192,14 +196,15 @@ class ChildProcess:
 
     def _watch(self) -> None:
         """In a thread of its own: waits for the end."""
+        come_first_when_woken()
         self._code = code = self._process.wait()
         ended_ns = time.monotonic_ns()
-        self._kept_off.come_back()
         try:
             self.death = self._judge(code, ended_ns)
         except BaseException as error:
             self.death = Death(self._how(code), error=repr(error))
         finally:
+            self._kept_off.come_back()
             self._buried.set()
             atexit.unregister(self._end_with_it)
 
