@@ -19,9 +19,11 @@ mutate: $(READY)
 	$(BIN)/python -m bench.mutants $(ONLY)
 
 # Faults at random moments, hundreds of each kind, and what was claimed against the truth. ONLY="words": kinds with
-# all of them in their names. TRIES=10: so many of each. Takes hours.
+# all of them in their names. TRIES=10: so many of each; SHORT=1: a few. JOBS=2: attempts at once. ROUND=20: so many
+# of each kind in turn. Takes hours; broken off with Ctrl+C it says what it has seen.
 campaign: $(READY)
-	$(BIN)/python -m bench.campaign $(ONLY) --tries $(or $(TRIES),0)
+	$(BIN)/python -m bench.campaign $(ONLY) --tries $(or $(TRIES),0) --jobs $(or $(JOBS),1) \
+		--round $(or $(ROUND),0) $(if $(SHORT),--short)
 
 # Whatever comes in: FUZZ times as many examples as in the tests, and new ones. ONLY=word: those with
 # it in their names.

@@ -12,7 +12,7 @@ from typing import Final
 
 #: So many attempts of a kind in the whole campaign, and in the short one.
 MANY: Final = 300
-FEW: Final = 5
+FEW: Final = 2
 #: A machine that is late once too often is not busy.
 _REPEATS: Final = 2
 #: More complaints of a kind than this are only counted.

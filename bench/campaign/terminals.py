@@ -35,6 +35,9 @@ _WINDOW_NS: Final = 10_000_000
 _SLOWER: Final = 0.85
 _SIGNALS: Final = (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
 _CANCELLED: Final = 130
+_QUIT: Final = b"\x11"
+#: Rows and columns.
+_SIZES: Final = ((0, 0), (0, 0), (1, 1), (0, 80), (24, 0), (300, 1), (1, 300))
 
 
 def _environment(also: Mapping[str, str]) -> dict[str, str]:
@@ -128,6 +131,42 @@ def _set_out(pty: Pty, by_app: bool) -> None:
         pty.type(b"\x13")
 
 
+def shrunk(attempt: Attempt) -> Outcome:
+    """The app's terminal is resized to nothing in a jog, or to little; then it is told to end."""
+    chance = attempt.random
+    shop = Shop(attempt.folder, chance.choice(("ppdev", "devport")), popen=Warm)
+    with (shop.folder / "fraese.toml").open("a") as file:
+        file.write(_JOG)
+    pty = Pty([*_FRAESE], shop.folder, _environment(shop.environment), popen=Warm)
+    try:
+        pty.read_until(b"Hold")
+        pty.type(b"5" + b"\x1b[C")
+        shop.fake.wait_for(shop.is_under_way)
+        child = child_of(pty.process.pid)
+        for _ in range(chance.randint(1, 4)):
+            pty.resize(*chance.choice(_SIZES))
+            pty.read(chance.uniform(0, 0.3))
+        owed = 128 + signal.SIGTERM
+        since_s = time.monotonic()
+        if chance.random() < 0.5:
+            pty.type(_QUIT)
+            owed = 0
+        else:
+            pty.process.send_signal(signal.SIGTERM)
+        code = pty.end(reading=True, within_s=3 * GONE_S)
+        gone_s = time.monotonic() - since_s
+        shop.fake.wait_for(lambda: not is_alive(child))
+    finally:
+        pty.close()
+    assert code == owed, f"exit code {code}, not {owed}"
+    if gone_s > GONE_S:
+        raise Late(f"gone only after {gone_s:.1f} s")
+    check_motors_off(shop.fake.writes())
+    claim, truth_steps = claimed(shop), shop.travelled_steps()
+    beyond = claim.beyond_steps(truth_steps) + (not claim.is_to_the_step)
+    return Outcome(beyond, gone_s, f"claimed {claim}, true {truth_steps}")
+
+
 def simulated(by_app: bool, number: signal.Signals | None, attempt: Attempt) -> Outcome:
     """The same on the paced simulated mill."""
     folder = attempt.folder
@@ -167,10 +206,14 @@ def _kinds() -> list[Kind]:
             told = "ms from the signal to braking"
             gone = "ms from the signal to gone"
             kinds += [
-                Kind(f"{what}, unread", told, metal, _MANY, 2, _missing, alone=True),
-                Kind(f"{what}, unread, simulated", gone, mill, _MANY, 2, alone=True),
+                Kind(f"{what}, unread", told, metal, _MANY, 1, _missing, alone=True),
+                Kind(f"{what}, unread, simulated", gone, mill, _MANY, 1, alone=True),
             ]
     return kinds
 
 
-KINDS: Final = tuple(_kinds())
+KINDS: Final = (
+    *_kinds(),
+    Kind("terminal of the app resized to nothing", "s from the end wanted to gone", shrunk,
+         missing=_missing),
+)  # fmt: skip
