@@ -27,8 +27,8 @@ MUTANTS: Final = (
         "app/app: what began after the stop key was heard goes on",
         "a jog that was pressed just before the stop key is made after it",
         _U + "app.py",
-        "self._heard.moving or self.link.moving\n            self.link.brake()\n",
-        "self._heard.moving or self.link.moving\n",
+        "            if not (self._heard.moving and self.link.question):\n",
+        "            if False:\n",
         tests_of(
             "ui/test_stopkey.py",
             "test_what_was_pressed_before_it_does_not_move_for_long",

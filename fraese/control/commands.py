@@ -7,6 +7,7 @@ Rule 2: while a job asks the operator something, he may move by hand and set the
 
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
 
 from fraese.config import Config
 from fraese.control import lines, softlimits
@@ -16,9 +17,12 @@ from fraese.control.jobs import Job, Note
 from fraese.control.position import Position
 from fraese.control.retract import Detour
 from fraese.control.runloop import RunLoop
-from fraese.errors import StateError
+from fraese.errors import LimitError, StateError
 from fraese.log import logged
 from fraese.machine import Machine, Steps
+
+#: So far a tool is lifted where nobody knows the travel, mm.
+_LIFT_MM: Final = 10.0
 
 
 class Commands:
@@ -152,6 +156,38 @@ class Commands:
         else:
             self._loop.require_not_running()
         self.position.set_zero(axes, value_mm)
+
+    @logged
+    def undo_zero(self) -> None:
+        """Let the work zero be where it was before it was set last.
+
+        Raises:
+            StateError: if it was not, or something else has changed it since; or the machine runs.
+        """
+        self._loop.require_not_running()
+        if not self.position.offsets.undo_zero():
+            raise StateError("There is no work zero to undo: none was set since the last change.")
+
+    @logged
+    def lift(self) -> None:
+        """Raise the tool to the safe height; where nobody knows the travel, a little.
+
+        Raises:
+            LimitError: if it is there already.
+            StateError: if the machine is not ready, or nothing lifts the tool.
+        """
+        vertical, jog_mm = self.machine.vertical, self.config.jog.max_mm
+        if vertical is None:
+            raise StateError("No axis of this machine lifts the tool.")
+        axis, here = self.machine.axes[vertical], self.position.position_steps[vertical]
+        if not self.position.referenced[vertical]:
+            self.jog(axis.name, min(_LIFT_MM, jog_mm))
+            return
+        safe_mm = self.config.run.safe_z_mm
+        top_mm = axis.high_mm if safe_mm is None else safe_mm
+        if axis.to_steps(top_mm) <= here:
+            raise LimitError(f"The tool is up already: {axis.name.upper()} stands at its height.")
+        self.move_to({axis.name: top_mm}, machine_coordinates=True)
 
     def _require_vertical(self, axes: Sequence[str]) -> None:
         vertical = self.machine.vertical

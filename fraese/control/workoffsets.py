@@ -6,7 +6,9 @@ Rule 2: while a program runs the interpreter is ahead of the motors: what is in 
 Rule 3: what others read is replaced whole, so that it may be read from any thread.
 """
 
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping
+from typing import Final
 
 from fraese.workframe import (
     TOOL_NUMBER,
@@ -16,6 +18,8 @@ from fraese.workframe import (
     numbers,
 )
 
+#: So many zeros can be undone.
+_MOST_UNDONE: Final = 20
 #: Persistent parameters and the frame in force with them.
 InForce = tuple[Mapping[int, float], WorkFrame]
 
@@ -31,6 +35,8 @@ class WorkOffsets:
         self._axes = axes
         self._kept: InForce = {}, WorkFrame.of({}, axes)
         self._followed: Callable[[], InForce] | None = None
+        # Before and after each zero that was set; the last one is undone first.
+        self._zeros: deque[tuple[dict[int, float], dict[int, float]]] = deque(maxlen=_MOST_UNDONE)
         self._put: Callable[[Mapping[int, float]], object] = self.replace
 
     def replace(self, parameters: Mapping[int, float]) -> None:
@@ -89,4 +95,15 @@ class WorkOffsets:
             for place, value, letter in zip(places, offset, self._axes, strict=True)
             if letter in moved
         }
-        self._put({**self.parameters, **changes})
+        before = self.parameters
+        after = {**before, **changes}
+        self._zeros.append((before, after))
+        self._put(after)
+
+    def undo_zero(self) -> bool:
+        """As it was before the last zero was set; False: nothing was, or more has changed since."""
+        if not self._zeros or self._zeros[-1][1] != self.parameters:
+            self._zeros.clear()
+            return False
+        self._put(self._zeros.pop()[0])
+        return True

@@ -37,6 +37,7 @@ from fraese.ui.keys import PALETTE, STOP_KEYS, Area, KeyTable
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.messages import Alarmed, Noted, Refused
 from fraese.ui.programs import OpenProgram, ProgramDesk, Resume, nothing_is_kept
+from fraese.ui.questions import Questions
 from fraese.ui.settled import freeze
 from fraese.ui.stopkey import EarlyStop, Heard
 from fraese.ui.themes import DARK, LIGHT
@@ -47,8 +48,6 @@ from fraese.ui.widths import RepeatRule
 
 #: Between two redraws.
 _FRAME_S: Final = 0.04
-#: An answer has arrived after this time; the same question then is a new one.
-_ANSWER_S: Final = 0.3
 #: The step loop of a simulated mill shares the interpreter: let it have its turn soon.
 _SWITCH_INTERVAL_S: Final = 0.0005
 #: How often it is seen whether the terminal is still there.
@@ -105,6 +104,7 @@ class FraeseApp(ViewedApp):
         super().__init__()
         self._keys = KeyTable(self.link.shape, views)
         self._repeats = RepeatRule()
+        self._questions = Questions(self, self._keys, self.link, lambda said: self.view.say(said))
         self._fingers = Fingers(
             self._repeats, self.set_timer, self.link.let_go, lambda: self.view.keys_rest()
         )
@@ -113,7 +113,6 @@ class FraeseApp(ViewedApp):
         self._stopped_s = -math.inf
         self._drawn_at_s = 0.0
         self._draw_planned = False
-        self._answer_is_new = False
         bind(self, self._keys.of(Area.EVERYWHERE))
         self._programs = ProgramDesk(open_program, program, resume)
         self._events = EventLog()
@@ -274,7 +273,9 @@ class FraeseApp(ViewedApp):
         else:
             # Also what was pressed before it and has begun only now.
             moving = self._heard.moving or self.link.moving
-            self.link.brake()
+            # What was done by hand while a job asks is over; the job was not meant.
+            if not (self._heard.moving and self.link.question):
+                self.link.brake()
         if self._programs.give_up():
             self.view.say("Given up: the program is not looked through, and nothing was started.")
         elif not moving:
@@ -330,30 +331,15 @@ class FraeseApp(ViewedApp):
         """Pages above the view that show the machine, and the job's question."""
         if not self.screen_stack:
             return  # on the way out the machine still reports
-        top, question = self.screen, self._state.question
+        top = self.screen
         if isinstance(top, LivePage):
             top.show(self._state)
-        elif question and not self._answer_is_new:
-            from fraese.ui.dialogs.ask import AskDialog
-
-            dialog = AskDialog(self._keys, question)
-            self.push_screen(dialog, lambda done: self._answered(question, bool(done)))
-
-    def _answered(self, question: str, done: bool) -> None:
-        """The job's question: done, or the job is to be stopped."""
-        if self._state.question != question:
-            return
-        self._answer_is_new = True
-        self.set_timer(_ANSWER_S, self._ask_again)
-        if done:
-            self.link.answer()
         else:
-            self.link.brake()
+            self._questions.show(self._state)
 
-    def _ask_again(self) -> None:
-        """The answer has arrived by now: what is asked still, or again, is a new question."""
-        self._answer_is_new = False
-        self._show_on_top()
+    def action_answer(self) -> None:
+        """The job's question is to be seen again."""
+        self._questions.again()
 
     def on_alarmed(self, message: Alarmed) -> None:
         """The job ended with an error."""

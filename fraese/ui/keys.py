@@ -147,6 +147,11 @@ _OVERRIDES: Final = (
 )  # fmt: skip
 _AFTERWARDS: Final = (
     Row(
+        Area.MACHINE, "ctrl+z", "^z", "undo_zero", "Undo zero",
+        "Let the work zero be where it was before it was set last; the one before with the next"
+        " press.", "Position",
+    ),
+    Row(
         Area.MACHINE, "u", "u", "resume", "Resume program …",
         "Go on with the program that was cut short by a stop, an alarm or a crash, or some moves"
         " earlier; what it will do is shown first.", "Program",

@@ -18,6 +18,7 @@ from fraese.control.state import OVERRIDES, MachineState, Status, three_decimals
 from fraese.control.worker import Command, Worker
 from fraese.ui.feed import StateFeed
 from fraese.ui.jogging import Jogger
+from fraese.ui.keys import said
 from fraese.ui.messages import Alarmed, Noted, Refused, StateChanged
 from fraese.ui.shape import shape_of
 
@@ -77,6 +78,16 @@ class MachineLink:
     def cancelling(self) -> bool:
         """The operator has pressed stop and it still moves."""
         return self._controller.cancelling
+
+    @property
+    def question(self) -> str:
+        """What the job asks now; empty: nothing."""
+        return self._controller.question
+
+    @property
+    def lifts(self) -> bool:
+        """An axis lifts the tool."""
+        return self._controller.machine.vertical is not None
 
     def state(self) -> MachineState:
         """How it stands now."""
@@ -198,9 +209,23 @@ class MachineLink:
             before = self._controller.state()
             self._controller.set_zero(axes)
             was = self._position_words(before, axes)
-            self._post(Noted(f"Work zero set here; this point was {was} before."))
+            undoes = f"{said('undo_zero')} undoes it"
+            self._post(Noted(f"Work zero set here; this point was {was} before; {undoes}."))
 
         return self.order(zero)
+
+    def undo_zero(self) -> bool:
+        """Work zero as it was before the last time it was set."""
+
+        def undo() -> None:
+            self._controller.undo_zero()
+            self._post(Noted("The work zero is where it was before."))
+
+        return self.order(undo)
+
+    def lift(self) -> bool:
+        """Raise the tool."""
+        return self.order(self._controller.lift)
 
     def _position_words(self, state: MachineState, names: Sequence[str]) -> str:
         """In work coordinates; the unit once where it is the same for all."""

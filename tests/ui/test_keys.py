@@ -163,7 +163,9 @@ def test_hints_are_made_of_the_table() -> None:
     assert rows.hint(Area.REFERENCE) == "Enter: go   x y z m: choose   Esc: back"
     assert rows.hint(Area.GO_TO) == "Enter: go   ↑ ↓: counted from   Esc: back"
     assert rows.hint(Area.OPEN) == "Enter: open   Tab: to the files   Esc: back"
-    assert rows.hint(Area.ASK) == "Enter: go on   Esc: stop the job"
+    assert rows.hint(Area.ASK) == (
+        "Enter: go on   m: move by hand   l: lift the tool   Esc: stop the job"
+    )
     assert rows.hint(Area.SWITCHES, but="press") == "↑ ↓: ask for another one   Esc: back"
     assert rows.hint(Area.SWITCHES).startswith("p: press, let go (simulated)   ↑ ↓")
     assert table("xya").hint(Area.REFERENCE) == "Enter: go   x y a m: choose   Esc: back"

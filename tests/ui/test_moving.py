@@ -324,13 +324,13 @@ def test_two_candidates_are_shown_as_a_question() -> None:
 def test_ignored_switches_are_shown_loudly() -> None:
     async def scene() -> None:
         async with bench() as b:
-            await b.press("i")
+            await b.press("i", "enter")
             await b.settled()
             assert b.text("#ignored") == "SWITCHES IGNORED"
             b.mill.mill.place(0, 300 * 200 - 100)
             await b.jog("right")
             assert b.moved_steps[0] == 300 * 100 - 100 + 200
-            await b.press("i")
+            await b.press("i", "enter")
             await b.settled()
             assert b.text("#ignored") == ""
 
@@ -416,7 +416,7 @@ def test_what_does_not_move_is_not_announced() -> None:
         recorder = _FullDisk()
         async with bench() as b:
             b.plant.controller._loop._recorder = recorder
-            await b.press("X", "i")
+            await b.press("X", "i", "enter")
             await b.settled()
             assert recorder.asked == 0
 

@@ -45,6 +45,7 @@ class Dialog(LivePage[R]):
 
     HEADING = ""
     YES = "OK"
+    BACK = "Back"
 
     def compose(self) -> ComposeResult:
         """Frame around what ``inner`` gives."""
@@ -55,7 +56,7 @@ class Dialog(LivePage[R]):
             with Horizontal(classes="buttons"):
                 yield Button(self.YES, variant="primary", id="yes", compact=True)
                 yield from self.also()
-                yield Button("Back", id="back", compact=True)
+                yield Button(self.BACK, id="back", compact=True)
             yield Fact(self.hints(), classes="hint")
 
     def inner(self) -> ComposeResult:

@@ -17,6 +17,7 @@ class Area(Enum):
     RESUME = "go on with a program"
     CRASH = "after a crash"
     ASK = "the job asks"
+    CONFIRM = "confirm"
     SWITCHES = "switch test"
     HELP = "help"
 

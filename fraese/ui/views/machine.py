@@ -16,6 +16,7 @@ from textual.containers import Container, Horizontal
 from fraese.control.controller import Controller
 from fraese.control.state import MachineState
 from fraese.errors import FraeseError, StateError
+from fraese.ui.dialogs.confirm import ConfirmDialog
 from fraese.ui.dialogs.goto import From, GoTo, GoToDialog
 from fraese.ui.dialogs.open import OpenDialog
 from fraese.ui.dialogs.reference import Reference, ReferenceDialog
@@ -168,11 +169,29 @@ class MachineView(AfterFaults):
         link = self.desk.link
         self.expect(link.zero((axis,) if axis else link.shape.names))
 
+    def action_undo_zero(self) -> None:
+        """Work zero as it was."""
+        self.expect(self.desk.link.undo_zero())
+
     # --- end switches ----------------------------------------------------------------------------
 
     def action_ignore(self) -> None:
-        """Contacts stop the motors, or do not."""
-        self.expect(self.desk.link.ignore_switches(not self.state.switch_ignored))
+        """Contacts stop the motors, or do not: that is asked for twice."""
+        if self.state.switch_ignored:
+            self.expect(self.desk.link.ignore_switches(False))
+            return
+        dialog = ConfirmDialog(
+            self.desk.keys,
+            "Ignore the end switches",
+            "Nothing will stop an axis at its end any more: the motors run against it, and lose"
+            " steps. Only for trying things out.",
+            "Ignore them",
+        )
+        self.app.push_screen(dialog, self._ignore)
+
+    def _ignore(self, meant: bool | None) -> None:
+        if meant:
+            self.expect(self.desk.link.ignore_switches(True))
 
     def action_switch_test(self) -> None:
         """Each switch by hand."""

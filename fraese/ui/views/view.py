@@ -205,13 +205,18 @@ class View(Screen[None]):
     # --- commands of every view ------------------------------------------------------------------
 
     def action_hold(self) -> None:
-        """Feed hold, or go on."""
-        self.desk.link.hold_or_go_on()
+        """Feed hold, or go on; a job that asks something waits already."""
+        if self.state.question:
+            self.app.call_later(self.app.run_action, "answer")
+        else:
+            self.desk.link.hold_or_go_on()
 
     def action_acknowledge(self) -> None:
-        """Take note of an error."""
+        """Take note of an error, or of the job's question."""
         if self.state.status is Status.ERROR:
             self.expect(self.desk.link.acknowledge())
+        elif self.state.question:
+            self.app.call_later(self.app.run_action, "answer")
 
     def action_override(self, by_percent: int) -> None:
         """Feed override up or down, or (0) as programmed."""
