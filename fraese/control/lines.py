@@ -71,8 +71,9 @@ def line_to(
     feed_mm_min: float | None = None,
     watch: Watch | None = None,
 ) -> Job:
-    """The same to a machine position."""
-    return line(position, _difference(target, position.position_steps), feed_mm_min, watch)
+    """The same to a machine position, which is the aim from then on."""
+    position.aim_steps = target
+    yield from line(position, _difference(target, position.position_steps), feed_mm_min, watch)
 
 
 def curve(position: Position, targets: Sequence[Steps], feed_mm_min: float | None) -> Job:

@@ -96,6 +96,7 @@ class MotionQueue:
     def begin(self) -> None:
         """A new job: what an old brake left is undone, blocks are counted from here."""
         self.drop()
+        self._position.aim_steps = None
         self.blocks = self.finished = 0
         self._serial_at_start = self.report.playing
 

@@ -50,6 +50,7 @@ class Position:
         doubt: why and by how much it may be another one, until all axes are referenced.
         was_abandoned: the program before was not closed, and the machine stood.
         turn_steps: per axis, steps in one electrical turn of its motor; 0: not known.
+        aim_steps: where the last move by hand leads; None: another job came since.
     """
 
     def __init__(self, machine: Machine) -> None:
@@ -61,6 +62,7 @@ class Position:
         self.doubt: Doubt | None = None
         self.was_abandoned = False
         self.turn_steps: Steps = (0,) * axes
+        self.aim_steps: Steps | None = None
         self._carriages = Carriages(machine, self.position_steps)
         # Motor steps that the carriages have been told of.
         self._told_steps = self.position_steps
@@ -114,6 +116,12 @@ class Position:
                 strict=True,
             )
         )
+
+    @property
+    def to_go_mm(self) -> tuple[float, ...]:
+        """What is left of the move by hand in hand, per axis; 0 without one. From any thread."""
+        here, aim = self.position_steps, self.aim_steps
+        return self.machine.to_mm(tuple(a - b for a, b in zip(aim or here, here, strict=True)))
 
     def in_words(self) -> str:
         """The machine position in words."""

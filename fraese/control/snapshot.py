@@ -74,5 +74,6 @@ def snapshot(
         carriages_mm=seen.carriages_mm,
         lost_steps=seen.lost_steps,
         lost_why=seen.lost_why,
+        to_go_mm=where.to_go_mm if loop.status is Status.RUN else (),
         cut_short=loop.unfinished.place,
     )

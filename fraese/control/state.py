@@ -139,6 +139,7 @@ class MachineState:
             compared with ``position_mm``; for the zero see ``control/onlooker.py``.
         lost_steps: likewise, steps of this job that were asked for and not made, signed.
         lost_why: likewise, why, half a sentence; empty: none.
+        to_go_mm: what is left of the jog or move by hand in hand; 0 in a program.
         cut_short: the last program, if it was; None: it ended well, or another one runs.
     """
 
@@ -174,4 +175,5 @@ class MachineState:
     lost_steps: tuple[float, ...] = ()
     lost_why: tuple[str, ...] = ()
     alarm: AlarmKind | None = None
+    to_go_mm: tuple[float, ...] = ()
     cut_short: CutShort | None = None

@@ -99,7 +99,8 @@ _REST: Final = (
     ),
     Row(
         Area.MACHINE, "v", "v", "picture", "Next picture",
-        "Data with commands, data with large positions, path with position.", "Display", "View",
+        "Position with commands, or with the program; where there is room, both are there.",
+        "Display", "View",
     ),
     Row(
         Area.VIEWS, "t", "t", "theme", "Dark or light",

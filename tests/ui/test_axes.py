@@ -10,6 +10,7 @@ from fraese.config.file import from_table
 from fraese.ui.dialogs.goto import GoToDialog
 from fraese.ui.dialogs.reference import ReferenceDialog
 from fraese.ui.views.machine import PICTURES
+from fraese.ui.widgets.big import AxisNumber, font_for
 from tests.ui.helpers import Bench, bench, play
 from tests.ui.test_pages import clipped
 
@@ -128,19 +129,12 @@ def test_the_switch_page_asks_for_the_switches_that_there_are() -> None:
 def test_what_turns_is_shown_in_degrees() -> None:
     async def scene() -> None:
         async with bench(config=FOUR, size=(120, 40)) as b:
-            letters = [fact.text for fact in b.view.query(".letter")]  # type: ignore[attr-defined]
-            assert letters == ["X", "Y", "Z", "A °"]
-            heading = [fact.text for fact in b.view.query("#heading > *")]  # type: ignore[attr-defined]
-            assert heading[1:3] == ["work mm, °", "machine mm, °"]
+            letters = [number.letter for number in b.view.query(AxisNumber)]
+            assert letters == ["X", "Y", "Z", "A"]
             await b.jog("home")
-            await b.press("v")
-            await b.pilot.pause(0.1)
-            assert b.text("#axis-a .gauge") == "travel 360°, not referenced: no limits"
-            assert b.text("#axis-x .gauge") == "travel 296 mm, not referenced: no limits"
-            await b.press("v")
-            await b.pilot.pause(0.1)
-            assert b.text("#axis-a .small").startswith("machine 1.000°  ")
-            assert b.text("#axis-x .small") == "machine 0.000 mm  0 steps"
+            assert b.text("#axis-a .under").startswith("machine     1.000°  offset      0.000°  ○")
+            assert b.text("#axis-x .under").startswith("machine     0.000  offset      0.000  ○")
+            assert b.text("#axis-x .under").endswith("NOT REFERENCED")
 
     play(scene)
 
@@ -148,6 +142,8 @@ def test_what_turns_is_shown_in_degrees() -> None:
 def test_an_endless_axis_has_no_limits_to_show() -> None:
     async def scene() -> None:
         async with bench(config=machine("xya", a={"gear": "90"}), size=(120, 40)) as b:
+            assert b.text("#axis-a .gauge") == "turns without end: no limits"
+            assert b.text("#axis-x .gauge") == "travel 296 mm, not referenced: no limits"
             await b.press("g")
             await b.type("A720")
             await b.press("enter")
@@ -197,15 +193,8 @@ def _numbers_seen(b: Bench) -> int:
     body = b.view.query_one("#body").region
     seen = 0
     for row in b.view.query(".axis"):
-        numbers = [
-            widget
-            for widget in row.query("BigNumber, Number.work, .plain-work")
-            if widget.display and widget.size.height
-        ]
-        name = row.query_one(".letter")
-        seen += len(numbers) == 1 and all(
-            body.contains_region(widget.region) for widget in (*numbers, name)
-        )
+        numbers = [number for number in row.query(AxisNumber) if font_for(number.size) is not None]
+        seen += len(numbers) == 1 and body.contains_region(numbers[0].region)
     return seen
 
 
@@ -227,11 +216,6 @@ def test_dialogs_fit_with_four_axes(key: str) -> None:
 def test_steps_are_called_what_they_are() -> None:
     async def scene() -> None:
         async with bench(config=FOUR, size=(120, 40)) as b:
-            heading = [fact.text for fact in b.view.query("#heading > *")]  # type: ignore[attr-defined]
-            assert heading[3] == "pulses"
-            await b.press("v")
-            await b.pilot.pause(0.1)
-            assert b.text("#axis-x .count") == "0 pulses"
             assert "1 pulse" in str(b.view.query("#widths .link").first().render())
 
     play(scene)

@@ -12,7 +12,6 @@ from fraese.ui.dialogs.ask import AskDialog
 from fraese.ui.dialogs.open import OpenDialog
 from fraese.ui.dialogs.switches import SwitchPage
 from fraese.ui.views.machine import PICTURES, MachineView
-from fraese.ui.widgets.fact import Number
 from fraese.ui.widgets.links import Link
 from fraese.ui.widgets.path import PathView
 from tests.ui.helpers import Bench, FakeFacts, FakeProgram, bench, play
@@ -200,7 +199,7 @@ def clipped(b: Bench) -> list[str]:
         region = widget.region
         if region.right > width or region.bottom > height:
             bad.append(f"{widget!r} {region}")
-        if isinstance(widget, Link | Number):
+        if isinstance(widget, Link):
             needed = widget.get_content_width(screen.size, screen.size)
             if widget.size.width < needed:
                 bad.append(f"{widget!r} is {widget.size.width} wide, not {needed}")
@@ -254,14 +253,24 @@ def test_pictures_show_what_they_are_for() -> None:
             screen = b.app.screen
             assert screen.query_one("#commands").display
             assert not screen.query_one(PathView).display
+            await b.jog("right")
+            assert "machine     1.000" in b.text("#axis-x .beside")
             await b.press("v")
             assert not screen.query_one("#commands").display
-            await b.press("v")
             assert screen.query_one(PathView).display
             await b.jog("right")
-            assert "1.000 mm" in b.text("#axis-x .small")
+            assert "machine     2.000" in b.text("#axis-x .under")
             await b.press("v")
             assert screen.query_one("#commands").display
+            for width, height in ((120, 40), (200, 60), (20, 5), (300, 100), (80, 24)):
+                await b.pilot.resize_terminal(width, height)
+                await b.pilot.pause(0.1)
+                both = screen.query_one("#commands").display and screen.query_one(PathView).display
+                assert both == (width >= 120)
+                assert width < 80 or clipped(b) == []
+                assert screen.query_one("#keys").region.bottom <= height
+                assert screen.query_one("#axis-x AxisNumber").size.width <= width
+            assert b.text("#axis-x .beside").count("\n") == 2
 
     play(scene)
 

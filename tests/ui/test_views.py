@@ -108,7 +108,7 @@ def test_every_view_has_a_key_and_shows_state_position_switch_and_stop() -> None
                 assert seen.query_one("#word", Fact).text == "NOT REFERENCED"
                 assert seen.query_one("#switch", Fact).text == "switch open"
                 assert seen.query_one("#message", Fact).text == "No."
-                shown = seen.query_one("#axis-x .work" if name == "move" else "#at")
+                shown = seen.query_one("#axis-x AxisNumber" if name == "move" else "#at")
                 assert "1.000" in str(getattr(shown, "value", "") or getattr(shown, "text", ""))
                 assert str(seen.query_one(KeyBar).render()).startswith("Esc Stop")
             await b.press("tab")

@@ -1,8 +1,8 @@
-"""The machine in three pictures.
+"""The machine by hand, and its program.
 
-commands    data with commands
-position    data without commands, position with the way between the limits
-path        path data with position
+commands     position and commands
+path         position and program
+workspace    both, where there is room: position left, program right
 """
 
 import threading
@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from textual.app import ComposeResult
 from textual.containers import Container, Horizontal
+from textual.geometry import Size
 
 from fraese.control.controller import Controller
 from fraese.control.state import MachineState
@@ -32,7 +33,9 @@ from fraese.ui.widgets.position import PositionPanel
 from fraese.ui.widgets.status import JobLine, WidthBar
 from fraese.ui.widths import FIRST_WIDTH, widths
 
-PICTURES: Final = ("commands", "position", "path")
+PICTURES: Final = ("commands", "path")
+#: From this size on there is room for position and program side by side.
+_WORKSPACE: Final = Size(120, 40)
 #: As many axes as this need more rows than a small terminal has for three.
 _MANY_AXES: Final = 4
 
@@ -79,6 +82,11 @@ class MachineView(AfterFaults):
             self._load(self.desk.programs.path)
         self.offer_position()
 
+    def on_resize(self) -> None:
+        """Both pictures at once, where there is room for them."""
+        width, height = self.size
+        self.set_class(width >= _WORKSPACE.width and height >= _WORKSPACE.height, "-workspace")
+
     # --- what is shown ---------------------------------------------------------------------------
 
     @property
@@ -109,7 +117,7 @@ class MachineView(AfterFaults):
         self._widths.show(self._width, 1)
 
     def action_picture(self) -> None:
-        """The next of the three."""
+        """The other one."""
         at = PICTURES.index(self.picture)
         self.show_picture(PICTURES[(at + 1) % len(PICTURES)])
 

@@ -1,8 +1,4 @@
-"""Digits larger than Textual's, for the picture that is read from across the workshop.
-
-A digit is 5 x 8 dots. A dot is one column wide and half a row high, or in a large terminal two
-columns wide and one row high.
-"""
+"""An axis and its number, as large as there is room for: its letter as tall as its digits."""
 
 from typing import Final
 
@@ -12,61 +8,65 @@ from textual.reactive import reactive
 from textual.strip import Strip
 from textual.widget import Widget
 
-_ROWS: Final = 8
-#: Dots of a character, row by row, the leftmost dot in the highest bit; and its width.
-_DOTS: Final[dict[str, tuple[int, tuple[int, ...]]]] = {
-    "0": (5, (0x0E, 0x1B, 0x1B, 0x1B, 0x1B, 0x1B, 0x1B, 0x0E)),
-    "1": (5, (0x06, 0x0E, 0x1E, 0x06, 0x06, 0x06, 0x06, 0x1F)),
-    "2": (5, (0x0E, 0x1B, 0x03, 0x03, 0x06, 0x0C, 0x18, 0x1F)),
-    "3": (5, (0x0E, 0x1B, 0x03, 0x06, 0x06, 0x03, 0x1B, 0x0E)),
-    "4": (5, (0x03, 0x07, 0x0F, 0x1B, 0x1B, 0x1F, 0x03, 0x03)),
-    "5": (5, (0x1F, 0x18, 0x18, 0x1E, 0x03, 0x03, 0x1B, 0x0E)),
-    "6": (5, (0x0E, 0x1B, 0x18, 0x1E, 0x1B, 0x1B, 0x1B, 0x0E)),
-    "7": (5, (0x1F, 0x03, 0x03, 0x06, 0x06, 0x0C, 0x0C, 0x0C)),
-    "8": (5, (0x0E, 0x1B, 0x1B, 0x0E, 0x1B, 0x1B, 0x1B, 0x0E)),
-    "9": (5, (0x0E, 0x1B, 0x1B, 0x1B, 0x0F, 0x03, 0x1B, 0x0E)),
-    "-": (5, (0x00, 0x00, 0x00, 0x1F, 0x1F, 0x00, 0x00, 0x00)),
-    ".": (2, (0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x03, 0x03)),
-    " ": (5, (0x00,) * _ROWS),
-}
-_HALVES: Final = {(False, False): " ", (True, False): "▀", (False, True): "▄", (True, True): "█"}
+from fraese.ui.widgets.glyphs import BOLD, TALL, THIN, Font
+
+#: Drawn in this width whatever the number is, so that nothing jumps.
+_WIDEST: Final = "-000.000"
+_CHOICE: Final = (
+    (TALL, True),
+    (BOLD, True),
+    (TALL, False),
+    (BOLD, False),
+    (THIN, False),
+)
+#: Between letter and number, columns.
+_GAP: Final = 3
 
 
-def _dots(text: str, row: int) -> list[bool]:
-    """One row of dots, a blank one between characters."""
-    dots: list[bool] = []
-    for char in text:
-        width, rows = _DOTS[char]
-        dots += [bool(rows[row] >> bit & 1) for bit in range(width - 1, -1, -1)] + [False]
-    return dots[:-1]
+def font_for(room: Size) -> tuple[Font, bool] | None:
+    """The largest that fits, and whether its dots are doubled; None: plain text only."""
+    for font, double in _CHOICE:
+        needed = len(font.lines("X", double=double)[0]) + _GAP
+        needed += len(font.lines(_WIDEST, double=double)[0])
+        if room.height >= font.rows(double=double) and room.width >= needed:
+            return font, double
+    return None
 
 
-def big_lines(text: str, double: bool) -> list[str]:
-    """A number in large digits: 4 lines, or 8 lines of double width."""
-    if double:
-        return ["".join("██" if dot else "  " for dot in _dots(text, row)) for row in range(_ROWS)]
-    return [
-        "".join(_HALVES[pair] for pair in zip(_dots(text, row), _dots(text, row + 1), strict=True))
-        for row in range(0, _ROWS, 2)
-    ]
+class AxisNumber(Widget):
+    """A letter at the left, a number at the right; drawn when one of them changes.
 
+    Args:
+        letter: of the axis.
+    """
 
-class BigNumber(Widget):
-    """A right-aligned number, drawn when it changes; as large as the height allows."""
+    COMPONENT_CLASSES = {"axis--known", "axis--unknown"}  # noqa: RUF012
 
-    value: reactive[str] = reactive("0", layout=False)
+    value: reactive[str] = reactive("0.000", layout=False)
+    is_known: reactive[bool] = reactive(False, layout=False)
 
-    def show(self, text: str) -> None:
-        """This number."""
+    def __init__(self, letter: str) -> None:
+        super().__init__(classes="number")
+        self.letter = letter
+
+    def show(self, text: str, *, is_known: bool) -> None:
+        """This number; ``is_known``: it can be relied on."""
         self.value = text
+        self.is_known = is_known
 
     def render_line(self, y: int) -> Strip:
-        """One line of the digits."""
-        width = self.size.width
-        lines = big_lines(self.value, double=self.size.height >= _ROWS)
-        text = lines[y] if y < len(lines) else ""
-        return Strip([Segment(text.rjust(width)[-width:], self.rich_style)], width)
-
-    def get_content_width(self, container: Size, viewport: Size) -> int:
-        """What the number needs."""
-        return len(big_lines(self.value, double=self.size.height >= _ROWS)[0])
+        """One line of the letter and the digits."""
+        width, choice = self.size.width, font_for(self.size)
+        if choice is None:
+            letters, digits = [self.letter], [self.value]
+        else:
+            font, double = choice
+            letters = font.lines(self.letter, double=double)
+            digits = font.lines(self.value, double=double)
+        tone = "axis--known" if self.is_known else "axis--unknown"
+        style = self.get_component_rich_style(tone)
+        if y >= len(digits):
+            return Strip.blank(width, self.rich_style)
+        room = max(0, width - len(letters[y]))
+        digit = digits[y].rjust(room)[-room:] if room else ""
+        return Strip([Segment(letters[y], style), Segment(digit, self.rich_style)], width)

@@ -1,6 +1,6 @@
 """A text that is drawn when it changes, and only then. Foreign text is made plain."""
 
-from textual.widgets import Digits, Static
+from textual.widgets import Static
 
 from fraese.plaintext import plain
 
@@ -29,10 +29,13 @@ class Fact(Static):
         """These words, in this tone: a CSS class such as "-alarm", or none."""
         if text != self._text:
             self._text = text
-            self.update(plain(text), layout=self.flows)
+            self.update(self._plain(text), layout=self.flows)
         if tone != self._tone:
             before, self._tone = self._tone, tone
             self.set_classes((self.classes - {before}) | ({tone} if tone else set()))
+
+    def _plain(self, text: str) -> str:
+        return plain(text)
 
     @property
     def text(self) -> str:
@@ -40,25 +43,14 @@ class Fact(Static):
         return self._text
 
 
+class Lines(Fact):
+    """Several lines."""
+
+    def _plain(self, text: str) -> str:
+        return "\n".join(plain(line) for line in text.split("\n"))
+
+
 class Flowing(Fact):
     """A text whose room follows it."""
 
     flows = True
-
-
-class Number(Digits):
-    """Large digits, right-aligned, drawn when the value changes.
-
-    Args:
-        places: shorter numbers are filled up, so that a new length needs no new layout.
-    """
-
-    def __init__(self, places: int, *, classes: str) -> None:
-        super().__init__("0".rjust(places), classes=classes)
-        self._places = places
-
-    def show(self, text: str) -> None:
-        """This number."""
-        filled = text.rjust(self._places)
-        if filled != self.value:
-            self.update(filled)

@@ -1,17 +1,23 @@
-"""The position of every axis, large: work and machine coordinates, and steps."""
+"""The position of every axis: work coordinate, large, and what it is made of.
+
+beside                                under
+X  -12.345    machine -112.345        X  -12.345
+              offset   100.000        machine -112.345  offset 100.000  to go 3.000  ● ref
+              ● referenced              0 ├────●────────────────────────────────┤ 296
+"""
 
 import math
 from typing import Final
 
 from textual.app import ComposeResult
-from textual.containers import Container, Horizontal, Vertical
+from textual.containers import Horizontal, Vertical
 
 from fraese.control.state import MachineState, three_decimals
 from fraese.ui.shape import AxisShape, Shape
-from fraese.ui.widgets.big import BigNumber
-from fraese.ui.widgets.fact import Fact, Number
+from fraese.ui.widgets.big import AxisNumber
+from fraese.ui.widgets.fact import Fact, Lines
 
-_COLUMNS: Final = ("work", "machine", "steps")
+_NUMBER: Final = 9
 
 
 class AxisRow(Vertical):
@@ -22,58 +28,48 @@ class AxisRow(Vertical):
         self._axis = axis
         self._index = index
         self._step_word = step_word
-        self._mark = Fact(classes="mark")
-        self._big = BigNumber(classes="big")
-        self._plain = [Fact(classes=f"plain plain-{what}") for what in _COLUMNS]
-        self._work = Number(8, classes="work")
-        self._machine = Number(8, classes="machine")
-        self._steps = Number(6, classes="steps")
-        self._count = Fact(classes="count")
-        self._small = Fact(classes="small")
+        self._number = AxisNumber(axis.letter)
+        self._beside = Lines(classes="made-of beside")
+        self._under = Fact(classes="made-of under")
         self._gauge = Fact(classes="gauge")
 
     def compose(self) -> ComposeResult:
-        """Name and mark, three numbers; the same in small; the way between the limits."""
-        axis = self._axis
+        """The number, what it is made of, the way between the limits."""
         with Horizontal(classes="numbers"):
-            with Vertical(classes="name"):
-                letter = f"{axis.letter} {axis.unit}" if axis.turns else axis.letter
-                yield Fact(letter, classes="letter")
-                yield self._mark
-            yield self._big
-            yield self._work
-            with Container(classes="rest"):
-                yield self._machine
-                yield self._steps
-                yield self._count
-            yield from self._plain
-        yield self._small
+            yield self._number
+            yield self._beside
+        yield self._under
         yield self._gauge
 
     def show(self, state: MachineState) -> None:
         """Draw what changed."""
-        i = self._index
-        referenced = state.referenced[i]
-        self._mark.show("● ref" if referenced else "○ no ref", "-good" if referenced else "-weak")
-        work, machine = three_decimals(state.work_mm[i]), three_decimals(state.position_mm[i])
-        steps = str(state.position_steps[i])
-        for number, text in (
-            (self._big, work),
-            (self._work, work),
-            (self._machine, machine),
-            (self._steps, steps),
-        ):
-            if number.display:
-                number.show(text)
-        for plain, text in zip(self._plain, (work, machine, steps), strict=True):
-            if plain.display:
-                plain.show(text)
-        if self._count.display:
-            self._count.show(f"{steps} {self._step_word}s")
-        if self._small.display:
-            self._small.show(f"machine {self._axis.with_unit(machine)}  {steps} steps")
+        referenced = state.referenced[self._index]
+        self._number.show(three_decimals(state.work_mm[self._index]), is_known=referenced)
+        tone = "" if referenced else "-warn"
+        if self._beside.display:
+            self._beside.show("\n".join(self._made_of(state)[: self._beside.size.height]), tone)
+        if self._under.display:
+            self._under.show(_fitting(self._made_of(state), self._under.size.width), tone)
         if self._gauge.display:
             self._gauge.show(self._way(state), "" if referenced else "-weak")
+
+    def _made_of(self, state: MachineState) -> list[str]:
+        """What the number is made of, the most important first."""
+        i = self._index
+        to_go = state.to_go_mm[i] if state.to_go_mm else 0.0
+        known = state.referenced[i]
+        mark = "● ref" if known else "○ NOT REFERENCED"
+        way = [f"to go   {self._short(to_go)}"] if to_go else []
+        return [
+            f"machine {self._short(state.position_mm[i])}",
+            f"offset  {self._short(state.offset_mm[i])}",
+            *(way or [mark]),
+            f"{state.position_steps[i]} {self._step_word}s",
+        ]
+
+    def _short(self, mm: float) -> str:
+        number = three_decimals(mm).rjust(_NUMBER)
+        return self._axis.with_unit(number) if self._axis.turns else number
 
     def _way(self, state: MachineState) -> str:
         i = self._index
@@ -90,8 +86,18 @@ class AxisRow(Vertical):
         return f"{low_word} ├{'─' * point}●{'─' * (room - 1 - point)}┤ {high_word}"
 
 
+def _fitting(parts: list[str], width: int) -> str:
+    """As many of them on one line as there is room for."""
+    text = parts[0]
+    for part in parts[1:]:
+        if len(text) + 2 + len(part) > width:
+            break
+        text += f"  {part}"
+    return text
+
+
 class PositionPanel(Vertical):
-    """All axes, with a heading.
+    """All axes.
 
     Args:
         shape: of the machine.
@@ -99,19 +105,12 @@ class PositionPanel(Vertical):
 
     def __init__(self, shape: Shape) -> None:
         super().__init__(id="position")
-        self._shape = shape
         self._rows = [
             AxisRow(axis, index, shape.step_word) for index, axis in enumerate(shape.axes)
         ]
 
     def compose(self) -> ComposeResult:
-        """Heading and rows."""
-        units = ", ".join(self._shape.units)
-        with Horizontal(id="heading"):
-            yield Fact("", classes="name")
-            yield Fact(f"work {units}", classes="work")
-            yield Fact(f"machine {units}", classes="machine")
-            yield Fact(f"{self._shape.step_word}s", classes="steps")
+        """One below the other."""
         yield from self._rows
 
     def show(self, state: MachineState) -> None:
