@@ -239,7 +239,7 @@ MUTANTS: Final = (
         "control/runloop: motion is not written down first",
         "after a power cut in the first second, an old position counts as right",
         _C + "runloop.py",
-        "            self._recorder.before_motion()\n",
+        "            self._recorder.before_motion(self.runner.first())\n",
         "            pass\n",
         tests_of("ui/test_moving.py", "test_motion_is_written_down_first_and_may_be_refused"),
     ),
@@ -247,11 +247,22 @@ MUTANTS: Final = (
         "control/recorder: who stopped without ramp goes on before that is written",
         "after a crash an axis that turned on is trusted",
         _C + "recorder.py",
-        "        return not self._torn or self._box_ns >= self._torn_ns\n",
+        "        return not self._torn or self._records.durable.at_ns >= self._torn_ns\n",
         "        return True\n",
         tests_of(
             "control/test_recorder.py",
             "test_who_stopped_without_ramp_does_not_move_before_that_is_on_the_disk",
+        ),
+    ),
+    Mutant(
+        "control/recorder: what is begun within the lease need not be bounded",
+        "after a crash the machine is outside of what is claimed",
+        _C + "recorder.py",
+        "is_fine = 0.99 * self._queue.duration_s() > self._left_s() + self._braking_s\n",
+        "is_fine = True\n",
+        tests_of(
+            "control/test_lease.py",
+            "test_only_what_can_be_played_within_the_lease_waits_for_the_disk",
         ),
     ),
     Mutant(

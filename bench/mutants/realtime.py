@@ -26,6 +26,22 @@ MUTANTS: Final = (
         (_PLAYER + "::TestHost::test_a_silent_host_brakes_the_motors_and_switches_them_off",),
     ),
     Mutant(
+        "realtime/chores: a lease that is over is no reason to brake",
+        "after a crash the machine is outside of what is claimed",
+        _R + "chores.py",
+        "        is_over = 0 < lease_ns < now_ns\n",
+        "        is_over = False\n",
+        ("tests/realtime/test_lease.py",),
+    ),
+    Mutant(
+        "realtime/chores: a lease that is put off ends a hold",
+        "the motors start again though somebody holds them",
+        _R + "chores.py",
+        "            self._host_brakes, self._lapsed = True, False\n",
+        "",
+        ("tests/realtime/test_lease.py::test_what_the_host_has_braked_stays_so",),
+    ),
+    Mutant(
         "realtime/chores: blocks of ignorance are played",
         "motors start again after a contact",
         _R + "chores.py",

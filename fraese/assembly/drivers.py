@@ -93,6 +93,7 @@ class Made(NamedTuple):
         notes: what a person should know from the start.
         awake: keeps the machine from sleeping as long as the port is open; None: it may sleep.
         trace: a waveform in the making, to be closed after the driver.
+        lease: lets who makes the steps go on until then; None: it cannot be told.
     """
 
     driver: StepDriver
@@ -102,6 +103,7 @@ class Made(NamedTuple):
     notes: tuple[str, ...] = ()
     awake: Awake | None = None
     trace: Trace | None = None
+    lease: Callable[[int], None] | None = None
 
 
 def _on_simulated_mill(order: Order) -> Made:
@@ -150,7 +152,7 @@ def _in_real_time(order: Order) -> Made:
         last_words=words_to(order.opening),
     )
     driver, trace = real_time_driver(setup, order.trace)
-    return on_metal(driver, MonotonicClock(), trace)
+    return on_metal(driver, MonotonicClock(), trace, driver.lease)
 
 
 def real_time_driver(
@@ -175,9 +177,14 @@ def real_time_driver(
         raise
 
 
-def on_metal(driver: StepDriver, clock: Clock, trace: Trace | None = None) -> Made:
+def on_metal(
+    driver: StepDriver,
+    clock: Clock,
+    trace: Trace | None = None,
+    lease: Callable[[int], None] | None = None,
+) -> Made:
     """Where real motors hang on the other end, the computer must not fall asleep."""
-    return Made(driver, clock, _METAL_SLICE_S, awake=Awake(), trace=trace)
+    return Made(driver, clock, _METAL_SLICE_S, awake=Awake(), trace=trace, lease=lease)
 
 
 def _ppdev(config: Config) -> Callable[[], Port]:
@@ -244,11 +251,12 @@ def bridge_driver(
             baud=port.baud,
             ledger=ledger_of(opening),
         )
-        LifeSign(bridge, config.realtime.busy_s).start()
+        sign = LifeSign(bridge, config.realtime.busy_s)
+        sign.start()
     trace = None
     if waveform is not None:
         driver, trace = planned_driver(driver, waveform, card, clock, settle_s, safe_outputs)
-    return on_metal(driver, clock, trace)
+    return on_metal(driver, clock, trace, sign.lease)
 
 
 def planned_driver(

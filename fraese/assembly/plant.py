@@ -35,6 +35,8 @@ from fraese.motor.seams import Clock
 _NOBODY: Final = Recorder()
 #: A run loop that looks at its driver so often is late by no more than this.
 _SLICES_S: Final = 0.1
+#: A step process looks at its lease every 0.01 s, and its throttle lags by as much.
+_STEP_PROCESS_S: Final = 0.03
 
 
 @dataclass(frozen=True)
@@ -221,13 +223,14 @@ def _put_together(
 def _recorder(
     keeping: Keeping, machine: Machine, config: Config, made: Made, clock: ClockName
 ) -> Recorder:
-    """Who keeps where the machine is, and how long motors go on without this program."""
-    braking_s = max(axis.max_rate_hz / axis.acceleration_hz_s for axis in machine.axes)
-    silence_s = max(config.realtime.silent_s, config.realtime.silence_of_bridge_s)
-    settle_s: float | None = silence_s + braking_s + _SLICES_S
+    """Who keeps where the machine is, and when motors brake after the last word about it."""
+    settle_s: float | None = _STEP_PROCESS_S
     if made.mill is not None:
         settle_s = None if clock == "virtual" else _SLICES_S
-    return JournalRecorder(keeping.write, machine, settle_s)
+    elif config.port.kind == "bridge":
+        settle_s = config.realtime.silence_of_bridge_s + _SLICES_S
+    lead_s = config.run.lead_s
+    return JournalRecorder(keeping.write, machine, settle_s, grant=made.lease, lead_s=lead_s)
 
 
 def _facts(

@@ -103,7 +103,13 @@ class RunConfig(Section):
         "mm", description="Unit of coordinate lists that do not say theirs."
     )
     lead_s: float = Field(
-        0.3, ge=0.05, le=10, description=("Motion kept in the queue ahead of the motors, s.")
+        0.3,
+        ge=0.05,
+        le=10,
+        description=(
+            "Motion kept in the queue ahead of the motors, s; they brake when half of it was played"
+            " and the disk has taken no record of it."
+        ),
     )
 
 

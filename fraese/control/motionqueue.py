@@ -44,6 +44,11 @@ class _Queued(NamedTuple):
     mm_per_tick: float
 
 
+def span_of(block: Block) -> Span:
+    """All of a block."""
+    return Span(block, max(1, block.ticks()), 0, planned_s(block))
+
+
 class MotionQueue:
     """The driver's queue as seen from this side.
 
@@ -116,9 +121,9 @@ class MotionQueue:
             block: what to play.
             of_job: it counts as one of the job's blocks.
         """
-        duration_s, ticks = planned_s(block), max(1, block.ticks())
+        span = span_of(block)
         end_steps = tuple(map(add, self._end_steps, block.steps))
-        if not self.recorder.allows(end_steps, Span(block, ticks, 0, duration_s)):
+        if not self.recorder.allows(end_steps, span):
             return None
         if not self._driver.push(block):
             return None
@@ -129,19 +134,17 @@ class MotionQueue:
             _Queued(
                 block=block,
                 of_job=of_job,
-                ticks=ticks,
-                duration_s=duration_s,
+                ticks=span.ticks,
+                duration_s=span.duration_s,
                 mm_per_tick=mm_per_tick(block.weight),
             )
         )
-        return duration_s
+        return span.duration_s
 
     def push_aside(self, blocks: Iterable[Block]) -> None:
         """Give a few blocks of no job to a driver that has just become empty."""
         blocks = list(blocks)
-        self.recorder.require(
-            [Span(block, max(1, block.ticks()), 0, planned_s(block)) for block in blocks]
-        )
+        self.recorder.require([span_of(block) for block in blocks])
         for block in blocks:
             self.push(block, of_job=False)
 
@@ -158,6 +161,7 @@ class MotionQueue:
 
     def poll(self, slice_s: float = 0.0) -> Report:
         """Let the driver play for so long, and see what it did."""
+        self.recorder.polls()
         self.report = self._driver.poll(slice_s)
         self.is_fresh = True
         self._switches.see(self.report)

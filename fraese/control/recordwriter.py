@@ -1,17 +1,30 @@
 """A thread that writes records, so that nobody waits for a disk while motors run.
 
 Rule 1: the latest record wins; one that waits behind one that is being written is dropped for it.
+Rule 2: as soon as one is durable its lease is granted, from here: nobody waits for the run loop.
 """
 
 import threading
 from collections.abc import Callable
-from typing import Final
+from typing import Final, NamedTuple
 
-from fraese.control.bounds import Box
+from fraese.control.inforce import Asked
 from fraese.control.savedstate import SavedState
 from fraese.errors import FraeseError
 
 _CLOSE_S: Final = 10.0
+
+
+class Done(NamedTuple):
+    """A record that became durable.
+
+    Attributes:
+        asked: which.
+        at_ns: when.
+    """
+
+    asked: Asked
+    at_ns: int
 
 
 class Writer:
@@ -19,21 +32,30 @@ class Writer:
 
     Args:
         write: puts a state down.
+        grant: lets motors play until then; from the thread. None: nobody can be told.
+        now_ns: time.
     """
 
-    def __init__(self, write: Callable[[SavedState, bool], None]) -> None:
+    def __init__(
+        self,
+        write: Callable[[SavedState, bool], None],
+        grant: Callable[[int], None] | None,
+        now_ns: Callable[[], int],
+    ) -> None:
         self._write = write
+        self._grant = grant
+        self._now_ns = now_ns
         self._news = threading.Condition()
-        self._next: tuple[SavedState, Box | None, int] | None = None
-        self._done: tuple[Box | None, int] | None = None
+        self._next: tuple[SavedState, Asked] | None = None
+        self._done: Done | None = None
         self._failure: FraeseError | None = None
         self._busy = self._quit = False
         self._thread: threading.Thread | None = None
 
-    def ask(self, state: SavedState, box: Box | None, now_ns: int) -> None:
+    def ask(self, state: SavedState, asked: Asked) -> None:
         """Write this next; what still waits is dropped."""
         with self._news:
-            self._next = state, box, now_ns
+            self._next = state, asked
             self._news.notify_all()
         if self._thread is None:
             self._thread = threading.Thread(target=self._loop, name="journal", daemon=True)
@@ -45,7 +67,7 @@ class Writer:
         with self._news:
             return self._busy or self._next is not None
 
-    def done(self) -> tuple[Box | None, int] | None:
+    def done(self) -> Done | None:
         """The last record that became durable since this was asked."""
         with self._news:
             done, self._done = self._done, None
@@ -76,17 +98,19 @@ class Writer:
                 self._news.wait_for(lambda: self._quit or self._next is not None)
                 if self._next is None:
                     return
-                (state, box, asked_ns), self._next = self._next, None
+                (state, asked), self._next = self._next, None
                 self._busy = True
             failure = None
             try:
                 self._write(state, True)
+                if asked.box is not None and self._grant is not None:
+                    self._grant(asked.over_ns)
             except FraeseError as error:
                 failure = error
             with self._news:
                 self._busy = False
                 if failure is None:
-                    self._done = box, asked_ns
+                    self._done = Done(asked, self._now_ns())
                 else:
                     self._failure = failure
                 self._news.notify_all()

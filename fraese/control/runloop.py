@@ -103,7 +103,7 @@ class RunLoop:
         self._progress: JobProgress | None = None
         self.unfinished = Unfinished(queue, position)
         self._job_from_ns = 0
-        self._late_before = self._dry_before = 0
+        self._late_before = self._dry_before = self._lapses_before = 0
         self._travelled_before = queue.report.travelled_steps
         self._idle_at_ns: int | None = None
         axes = position.machine.axes
@@ -209,6 +209,7 @@ class RunLoop:
         self._job_from_ns = self._clock.now_ns()
         self._late_before = self._queue.report.late_ticks
         self._dry_before = self._queue.report.dry_queues
+        self._lapses_before = self._recorder.lapses
         self._travelled_before = self._queue.report.travelled_steps
         self._onlooker.begin()
         self.runner.start(job, detour)
@@ -271,7 +272,7 @@ class RunLoop:
     def _mark(self) -> None:
         """Before anything moves, say so."""
         try:
-            self._recorder.before_motion()
+            self._recorder.before_motion(self.runner.first())
         except FraeseError:
             self.runner.give_up()
             self.status = Status.OK
@@ -365,6 +366,8 @@ class RunLoop:
         said = []
         if dry:
             said.append(f"The queue ran dry {dry} times: the motors braked and waited.")
+        if lapses := self._recorder.lapses - self._lapses_before:
+            said.append(f"The motors braked {lapses} times: the disk was late with their place.")
         if late:
             said.append(f"{late} ticks came late by more than a quarter of their interval.")
         lost = self.lost_in_words()

@@ -16,8 +16,9 @@ from typing import NamedTuple
 
 from fraese.anythread import any_thread
 from fraese.blocks import Block
+from fraese.control.bounds import Span
 from fraese.control.jobs import TURN, Ask, Job, Standstill, Turn
-from fraese.control.motionqueue import MotionQueue
+from fraese.control.motionqueue import MotionQueue, span_of
 from fraese.control.retract import Aside, Detour
 from fraese.control.state import Status
 from fraese.errors import FraeseError
@@ -161,6 +162,15 @@ class Runner:
         # What the guest pushed and somebody stopped will never be finished.
         self._queue.blocks = self._queue.finished
         return Status.RUN
+
+    def first(self) -> list[Span]:
+        """What the job begins with, as far as it is known before anything has moved."""
+        if not self._begun and self._job is not None:
+            try:
+                self._advance(self._job)
+            except FraeseError as error:
+                self.fail(error)
+        return [] if self._pending is None else [span_of(self._pending)]
 
     def activate(self) -> Status:
         """One round: feed the queue, play a slice, see how it stands (ActivateMotoren)."""

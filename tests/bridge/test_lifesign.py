@@ -54,3 +54,12 @@ def test_older_configurations_keep_their_meaning(
     realtime = configured(realtime=given).realtime
     assert realtime.silence_of_bridge_s == silence_s
     assert realtime.busy_s == busy_s
+
+
+@pytest.mark.parametrize(("lease_ns", "signs"), [(0, 1), (1000, 1), (999, 0)])
+def test_it_speaks_no_longer_than_the_lease(lease_ns: int, signs: int) -> None:
+    driver = Driver(0.5)
+    sign = LifeSign(driver, 1.5, lambda: 1000)
+    sign.lease(lease_ns)
+    assert sign.turn()
+    assert driver.signs == signs

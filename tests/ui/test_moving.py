@@ -1,12 +1,13 @@
 """Keys move the carriages of the simulated mill."""
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from pathlib import Path
 
 import pytest
 from textual.widgets import Input
 
 from fraese.config import Config
+from fraese.control.bounds import Span
 from fraese.control.recorder import Recorder
 from fraese.control.state import Status
 from fraese.errors import ConfigError
@@ -387,7 +388,7 @@ class _FullDisk(Recorder):
     def __init__(self) -> None:
         self.asked = 0
 
-    def before_motion(self) -> None:
+    def before_motion(self, first: Sequence[Span] = ()) -> None:
         self.asked += 1
         raise ConfigError("The state cannot be written: no space left.")
 

@@ -6,10 +6,13 @@
 
 Rule 1: it speaks only while nobody else does, and only for ``busy_s`` after the last look at the
         line: who looks no more is hung, and the device brakes for it all the same.
-Rule 2: a sign is a frame out of sequence: good, so that the device hears it, and thrown away.
+Rule 2: it speaks no longer than the lease: then nobody knows on the disk where the motors are.
+Rule 3: a sign is a frame out of sequence: good, so that the device hears it, and thrown away.
 """
 
 import threading
+import time
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Final, Protocol
 
@@ -38,11 +41,21 @@ class LifeSign:
     Args:
         driver: for whom it speaks.
         busy_s: so long may the driver not be called.
+        now_ns: the driver's time.
     """
 
-    def __init__(self, driver: Looked, busy_s: float) -> None:
+    def __init__(
+        self, driver: Looked, busy_s: float, now_ns: Callable[[], int] = time.monotonic_ns
+    ) -> None:
         self._driver = driver
         self._busy_s = busy_s
+        self._now_ns = now_ns
+        self._lease_ns = 0
+
+    @any_thread
+    def lease(self, until_ns: int) -> None:
+        """Motors may play until then, if it is not put off."""
+        self._lease_ns = until_ns
 
     def start(self) -> None:
         """Speak until the driver is closed."""
@@ -53,7 +66,8 @@ class LifeSign:
         unattended_s = self._driver.unattended_s()
         if unattended_s is None:
             return False
-        if EVERY_S <= unattended_s < self._busy_s:
+        is_over = 0 < self._lease_ns < self._now_ns()
+        if EVERY_S <= unattended_s < self._busy_s and not is_over:
             with suppress(PortError):
                 self._driver.sign_of_life()
         return True

@@ -11,6 +11,8 @@ Rule 3: a block whose maker did not know that the run had ended is dropped, as t
         was. Nothing is taken from the ring while a run is ending.
 Rule 4: a host that is dead or silent while the motors run: brake. The player does the rest. Silent
         while they stand under full current, in the middle of a job: off, too.
+Rule 5: a lease that is over is another reason to brake: where the motors are would not be on the
+        disk. When it is put off they go on, unless the host wants them to be braked.
 """
 
 from collections.abc import Callable, Iterator
@@ -30,6 +32,7 @@ from fraese.motor.realtime.memory import (
     COMMAND_B,
     COMMAND_KIND,
     HEARTBEAT,
+    LEASE,
     OVERRIDE,
     PLACE,
     RESULT,
@@ -95,6 +98,8 @@ class Chores:
         self.leaving = False
         self.silent = False
         self._braking_since_ns = 0
+        # The host has braked, or there is no lease any more.
+        self._host_brakes = self._lapsed = False
         self._urgent = False
         self._wishes = self._stops = self._brakes = self._override = 0
         self._command = 0
@@ -123,6 +128,7 @@ class Chores:
             urgent = True
         if words[BRAKES] != self._brakes:
             self._brakes = words[BRAKES]
+            self._host_brakes, self._lapsed = True, False
             self._core.brake()
             urgent = True
         if words[OVERRIDE] != self._override:
@@ -254,12 +260,14 @@ class Chores:
         core = self._core
         match kind:
             case mailbox.RESUME:
+                self._host_brakes = self._lapsed = False
                 core.resume()
             case mailbox.OUTPUTS:
                 core.set_outputs(a & ALL_OUTPUTS, b & ALL_OUTPUTS)
             case mailbox.SWITCH_MODE:
                 core.set_switch_mode(mailbox.SWITCH_MODES[a])
             case mailbox.FLUSH:
+                self._host_brakes = self._lapsed = False
                 core.flush()
             case mailbox.IDLE:
                 core.idle(mailbox.IDLE_LEVELS[a])
@@ -274,6 +282,7 @@ class Chores:
         if self._host.look():
             self.leave()
         moves = not self._run.standing
+        self._mind_the_lease(now_ns, moves=moves)
         live = moves or self._run.wires.energised
         if live and not self.silent and now_ns > self._words[HEARTBEAT] + self._silent_ns:
             self.silent = True
@@ -284,6 +293,18 @@ class Chores:
                 self._stop()
         else:
             self._braking_since_ns = 0
+
+    def _mind_the_lease(self, now_ns: int, *, moves: bool) -> None:
+        """See rule 5."""
+        lease_ns = self._words[LEASE]
+        is_over = 0 < lease_ns < now_ns
+        if is_over and moves and not (self._lapsed or self._host_brakes or self.leaving):
+            self._lapsed = True
+            self._core.brake()
+            self._be_urgent()
+        elif self._lapsed and not is_over and not (self.leaving or self.silent):
+            self._lapsed = False
+            self._core.resume()
 
     def _toggle(self, now_ns: int) -> None:
         pump = self._pump

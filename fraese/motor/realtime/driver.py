@@ -118,6 +118,11 @@ class RealtimeDriver:
         self._override_q8 = round(factor * Q8)
         self._session.wish(OVERRIDE, self._override_q8)
 
+    @any_thread
+    def lease(self, until_ns: int) -> None:
+        """Motors may play until then, monotonic ns; it is put off, or they brake by themselves."""
+        self._session.lease(until_ns)
+
     def resume(self) -> None:
         """Open the throttle again; not while braking for a watch that ends the run."""
         self._command(mailbox.RESUME)

@@ -46,6 +46,8 @@ COMMAND: Final = 7
 COMMAND_KIND: Final = 8
 COMMAND_A: Final = 9
 COMMAND_B: Final = 10
+#: Until then motors may play, monotonic ns, and brake if it is not put off; 0: for ever.
+LEASE: Final = 11
 
 # --- words that the child writes -----------------------------------------------------------------
 

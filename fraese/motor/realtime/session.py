@@ -24,6 +24,7 @@ from fraese.motor.realtime.memory import (
     ANSWER,
     ASKED,
     HEARTBEAT,
+    LEASE,
     PLACE,
     REPORT_SEQUENCE,
     RESULT,
@@ -96,6 +97,10 @@ class Session:
         self._words[word] = next(self._numbers) if value is None else value
         self._words[WISHES] = next(self._numbers)
         self.child.ring()
+
+    def lease(self, until_ns: int) -> None:
+        """Steps may be made until then. From any thread; no error if the child is dead."""
+        self._words[LEASE] = until_ns
 
     def push(self, block: Block) -> bool:
         """Put a sound block on its way; False: full, nothing was taken.
