@@ -1,0 +1,58 @@
+"""Lines that somebody types, run like a program: the same language, the same checks.
+
+Rule 1: what is typed begins as a program does (G90, G21, no feed) and ends as one (G54); offsets
+        and tool stay. A work offset alone is chosen, and stays.
+"""
+
+import io
+import re
+from pathlib import Path
+from typing import Final
+
+from fraese.control.controller import Controller
+from fraese.control.workcommands import select_system
+from fraese.program.content import Content, taken_from
+from fraese.program.program import Program
+from fraese.program.taken import Taken
+
+#: A work offset, and nothing else.
+_SYSTEM: Final = re.compile(r"\s*[gG]\s*(5[4-9](?:\.[1-3])?)\s*")
+#: In messages; its ending says that it is G-code.
+_PLACE: Final = Path("typed.ngc")
+
+
+class _Typed(Taken):
+    """It has no file that could change."""
+
+    def news(self) -> str:
+        """Nothing."""
+        return ""
+
+
+def _content(text: str) -> Content:
+    data = text.encode()
+    return taken_from(io.BytesIO(data), "what was typed", len(data))
+
+
+def run_text(controller: Controller, text: str, name: str = "typed line") -> None:
+    """Look it through and start it; the controller's ``run`` works it off.
+
+    Args:
+        controller: the machine.
+        text: lines of G-code.
+        name: for people.
+
+    Raises:
+        ProgramError: if a line is refused.
+        LimitError: if it leaves the travel.
+        StateError: if the machine is not ready.
+    """
+    chosen = _SYSTEM.fullmatch(text)
+    if chosen is not None:
+        # A program would go back to G54 at its end.
+        select_system(controller, f"G{chosen[1]}")
+        return
+    program = Program(_Typed(_PLACE, _content(text), {}))
+    program.name = name
+    facts = program.check(controller)
+    program.start(controller, facts)
