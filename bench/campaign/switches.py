@@ -4,7 +4,7 @@
     bounces             after each change some readings are one way and the other
     sticks              once closed, it stays so
     opens late          once closed, it opens only some way further
-    closed at start     somebody holds it, and lets go at some moment, or never
+    closed at start     somebody holds it, and lets go at some moment, or of a jog never
 
 Whatever comes of the job, ok or an alarm: an axis that is said to be referenced has its zero where
 the switch is, but for what a bounce takes, and any other one is where its counts say.
@@ -39,7 +39,7 @@ def _words(attempt: Attempt, shop: Shop) -> tuple[str, ...]:
     return chance.choice((("home", axis), jog, ("run", "job.ngc")))
 
 
-def _meddle(fault: str, attempt: Attempt, shop: Shop) -> threading.Thread:
+def _meddle(fault: str, attempt: Attempt, shop: Shop, words: tuple[str, ...]) -> threading.Thread:
     """What the switch does while the command runs."""
     fake, chance, over = shop.fake, attempt.random, threading.Event()
     moments_s = sorted(chance.uniform(0, _LIFE_S) for _ in range(chance.randint(1, 5)))
@@ -55,7 +55,8 @@ def _meddle(fault: str, attempt: Attempt, shop: Shop) -> threading.Thread:
             at_s = moment_s
             if fault == "glitches":
                 fake.spoil_switch(fault)
-        if fault == "closed" and len(moments_s) > 1:
+        # A reference run tries all ends, for a minute, as long as nobody lets go.
+        if fault == "closed" and ("home" in words or len(moments_s) > 1):
             fake.let_go()
 
     return threading.Thread(target=act, daemon=True)
@@ -66,7 +67,7 @@ def bad(fault: str, attempt: Attempt) -> Outcome:
     port = attempt.random.choice(("ppdev", "devport"))
     shop = Shop(attempt.folder, port, travel_mm=_TRAVEL_MM, popen=Warm)
     words = _words(attempt, shop)
-    hand = _meddle(fault, attempt, shop)
+    hand = _meddle(fault, attempt, shop, words)
     process = shop.start(*words, "--json")
     hand.start()
     try:

@@ -266,6 +266,9 @@ class TestLives:
         assert bench.clock.now_ns() - since_ns < 100_000_000
         x, y = last.position_steps[:2]
         assert f"motor 1 {x} to 3100, motor 2 -300 to {y}, motor 3 0" in str(lost.value)
+        # For programs, too.
+        assert lost.value.facts["low_steps"] == (x, -300, 0)
+        assert lost.value.facts["high_steps"] == (3100, y, 0)
         with pytest.raises(PortError, match="is lost"):
             bench.driver.push(steady(1))
         bench.driver.brake()

@@ -361,8 +361,10 @@ class BridgeDriver:
             session.hang_up()
             self._session = None
             where = self._picture.position()
+            low_steps, high_steps = zip(*self._picture.account.bounds(), strict=True)
+            bounds = {"low_steps": low_steps, "high_steps": high_steps}
             raise PortError(
-                f"{str(error).rstrip('.')}; {where}.", error.kind, **error.facts
+                f"{str(error).rstrip('.')}; {where}.", error.kind, **error.facts, **bounds
             ) from error
 
     def _connecting_again(self) -> Steps[None]:
