@@ -269,7 +269,7 @@ MUTANTS: Final = (
         "control/motionqueue: what an alarm says of the place is not kept",
         "after the step process died the record says a place to the step that nobody knows",
         _C + "motionqueue.py",
-        "        where.doubt_between(DIED, low, high)\n",
+        "        where.doubt_between(why, low, high)\n",
         "",
         tests_of(
             "control/test_recorder.py",

@@ -2,7 +2,7 @@
 
 from fraese.control.endswitches import EndSwitches
 from fraese.control.position import Position
-from fraese.errors import FraeseError, SilenceAlarm, StopAlarm
+from fraese.errors import FraeseError, KeepAlarm, SilenceAlarm, StopAlarm
 from fraese.motor.seams import Ended, Report
 
 
@@ -20,3 +20,12 @@ def alarm(report: Report, position: Position, switches: EndSwitches) -> FraeseEr
             " and at who else uses it."
         )
     return switches.alarm()
+
+
+def not_kept(failure: FraeseError) -> KeepAlarm:
+    """What is to be said where the disk does not take the place while the motors run."""
+    return KeepAlarm(
+        f"Braked, because where the machine is could not be kept: {failure} It stands where is"
+        " said, but a restart may not know that.",
+        reason=str(failure),
+    )

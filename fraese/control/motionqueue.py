@@ -28,8 +28,10 @@ from fraese.machine import Steps
 from fraese.motor.seams import Report, StepDriver
 from fraese.planner.lines import mm_per_tick, planned_s
 
-#: Of a place that is known from what was left of what made the steps.
+#: Of a place that is known from what was left of what made the steps,
 DIED: Final = "what made the steps died in the middle of a job"
+#: and from what it had been given.
+LOST: Final = "what makes the steps was lost in the middle of a job"
 #: An input that still changes after so many readings is a matter for a person.
 _MOST_LOOKS: Final = 1000
 
@@ -200,14 +202,17 @@ class MotionQueue:
 
         Args:
             error: with the driver's counts, if they are known: ``at_steps``, and that they are not
-                below ``low_steps`` and not above ``high_steps``.
+                below ``low_steps`` and not above ``high_steps``. Else what was seen last, and what
+                was given since then, says so, and is added to it.
         """
         where = self._position
         where.lose_reference(range(len(where.machine.axes)))
         known = [error.facts.get(name) for name in ("at_steps", "low_steps", "high_steps")]
         at, low, high = (tuple(steps) if isinstance(steps, tuple) else () for steps in known)
+        why = DIED
         if not (at and low and high):
-            return
+            why, at, (low, high) = LOST, self.report.position_steps, self._reach()
+            error.facts.update(at_steps=at, low_steps=low, high_steps=high)
         self._queue.clear()
         self._end_steps = at
         self.report = replace(
@@ -215,7 +220,16 @@ class MotionQueue:
         )
         where.at_rest(at)
         where.seen(at)
-        where.doubt_between(DIED, low, high)
+        where.doubt_between(why, low, high)
+
+    def _reach(self) -> tuple[Steps, Steps]:
+        """All that was given may be played to its end: between which counts that is."""
+        at, spans = self.spans()
+        ends = [self.report.position_steps]
+        for span in spans:
+            at = tuple(map(add, at, span.block.steps))
+            ends.append(at)
+        return tuple(map(min, *ends, at)), tuple(map(max, *ends, at))
 
     # --- facts ---------------------------------------------------------------------------------
 

@@ -74,4 +74,5 @@ def no_progress(where: str) -> PortError:
         f"The motors did not get on for {LIMIT_S:g} s at {where}: they were stopped and switched"
         " off.",
         alarms.NO_PROGRESS,
+        waited_s=LIMIT_S,
     )

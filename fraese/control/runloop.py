@@ -20,7 +20,7 @@ from typing import Final
 
 from fraese.anythread import any_thread
 from fraese.config import Config
-from fraese.control.endings import alarm
+from fraese.control.endings import alarm, not_kept
 from fraese.control.endswitches import EndSwitches
 from fraese.control.jobs import Job, Note, line_of
 from fraese.control.motionqueue import MotionQueue
@@ -34,7 +34,6 @@ from fraese.control.unfinished import Unfinished
 from fraese.errors import (
     Alarm,
     FraeseError,
-    KeepAlarm,
     PortError,
     StateError,
 )
@@ -284,12 +283,7 @@ class RunLoop:
         self._recorder.follow()
         failure, self._recorder.failure = self._recorder.failure, None
         if failure is not None and self.status is Status.RUN:
-            self.runner.fail(
-                KeepAlarm(
-                    f"Braked, because where the machine is could not be kept: {failure} It stands"
-                    " where is said, but a restart may not know that.",
-                )
-            )
+            self.runner.fail(not_kept(failure))
 
     def _activate(self) -> Status:
         if self._recorder.is_awaited and not self._queue.report.running:

@@ -116,7 +116,9 @@ class MachineLock:
             holder = _holder(fd)
             if holder.lives or time.monotonic() >= until_s:
                 raise BusyError(
-                    f"The machine is driven by {holder.in_words()} already; nothing has moved."
+                    f"The machine is driven by {holder.in_words()} already; nothing has moved.",
+                    command=holder.command,
+                    pid=holder.pid,
                 )
             time.sleep(_LOOK_S)
 

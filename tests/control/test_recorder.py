@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fraese import alarms
+from fraese.alarms import AlarmKind
 from fraese.assembly import Plant, assemble
 from fraese.blocks import CYCLES_PER_S, Block, steps_done
 from fraese.control.bounds import Span, box_of
@@ -277,6 +278,45 @@ def test_what_made_the_steps_died_and_the_record_says_what_the_alarm_said(
             for here, (below, above) in zip(at, state.doubt.spans_steps, strict=True)
         ]
         assert between == [(low - more, high + more) for low, high in doubted]
+
+
+@pytest.mark.parametrize("kind", [alarms.BRIDGE_LOST, alarms.PORT_LOST, alarms.BRIDGE_STUCK])
+def test_what_was_given_bounds_the_place_where_nobody_tells_any_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: AlarmKind
+) -> None:
+    """In the alarm's parameters, the position, and the record; not in a sentence only."""
+    made = assemble(configured(axes={"y": {"inverted": True}}), state=tmp_path)
+    controller = made.controller
+    controller.move_to({"x": 20, "y": 10}, machine_coordinates=True)
+    driver = controller._loop._driver
+    alarm = PortError("It is gone.", kind)
+
+    def gone(budget_s: float) -> Report:
+        raise alarm
+
+    after_slices(controller, 3, lambda: monkeypatch.setattr(driver, "poll", gone))
+    assert controller.run() is Status.ERROR
+    seen = controller._queue.report.position_steps
+    assert 0 < seen[0] < 4000
+    parameters = alarm.as_dict()["parameters"]
+    assert parameters == {
+        "at_steps": seen,
+        "low_steps": (seen[0], -2000, 0),
+        "high_steps": (4000, seen[1], 0),
+    }
+    bounds = [(seen[0], 4000), (-seen[1], 2000), (0, 0)]
+    assert controller.position.bounds_steps() == bounds
+    crashed = state_in(json.dumps(kept(tmp_path)).encode(), 3, "").believed()
+    monkeypatch.undo()
+    made.close()
+    ended = state_in(json.dumps(kept(tmp_path)).encode(), 3, "").believed()
+    for state, more in ((crashed, 1), (ended, 0)):
+        assert state.referenced == (False, False, False)
+        assert state.doubt is not None
+        assert state.doubt.spans_steps == tuple(
+            (at - low + more, high - at + more)
+            for at, (low, high) in zip(state.position_steps, bounds, strict=True)
+        )
 
 
 # --- bounds --------------------------------------------------------------------------------------
