@@ -96,15 +96,25 @@ class Keeping:
         return meant, [forgotten] if forgotten else notes
 
     def _of_survivor(self, record: SavedState, *, to_write: bool) -> SavedState | None:
-        """See ``known``; who drives can ask but once, so the answer is written down."""
+        """See ``known``; who drives can ask but once, so the answer is written down.
+
+        Raises:
+            ConfigError: if that cannot be; then nothing is driven, so that the answer stays.
+        """
         # Counts of axes that were configured otherwise are other places here.
         if record.axes != meaning(self._config, self._machine):
             return None
         kept = known(record, self._config, self._machine, self.path, to_drive=to_write)
         if kept is not None and to_write:
-            # Where no record can be written nothing will move.
-            with contextlib.suppress(ConfigError):
+            try:
                 self.write(kept, durable=True)
+            except ConfigError as error:
+                # A driver that is opened now would overwrite what knows the place.
+                raise ConfigError(
+                    f"{error} What made the steps knows the place since the last crash, and only"
+                    " there can it be kept: mend that first, or start with --fresh and reference"
+                    " the machine."
+                ) from error
         return kept
 
     def _from_old(self, *, to_write: bool) -> SavedState | None:

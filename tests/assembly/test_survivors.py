@@ -7,11 +7,13 @@ from typing import Any
 
 import pytest
 
+from fraese.assembly import assemble
 from fraese.assembly.keeping import Keeping
 from fraese.assembly.meaning import meaning
 from fraese.assembly.survivors import KNOWN, Opening, words_to
 from fraese.control.savedstate import DAMAGED, KeptDoubt, Motion, SavedState
 from fraese.errors import ConfigError
+from fraese.journal import store
 from fraese.journal.pages import SLOT
 from fraese.machine import Machine
 from fraese.motor.realtime.lastwords import LastWords, leave
@@ -63,6 +65,31 @@ def test_who_drives_takes_it_over_before_the_words_are_overwritten(tmp_path: Pat
     again, notes = Keeping(tmp_path, CONFIG, MACHINE).load(to_write=True)
     assert again == state
     assert notes == []
+
+
+def test_where_the_journal_cannot_take_it_nobody_drives_and_the_words_stay(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A step process that is started would leave its own words in their place."""
+    left(tmp_path, RECORD, WORDS)
+
+    def broken(*arguments: object) -> None:
+        raise OSError(5, "Input/output error")
+
+    for name in ("write_all", "replace"):
+        monkeypatch.setattr(store, name, broken)
+    for _ in range(2):
+        with pytest.raises(ConfigError, match=r"Input/output error\. What made the steps knows"):
+            assemble(CONFIG, state=tmp_path)
+    assert (tmp_path / "ppdev-parport0.words").read_bytes() == WORDS.packed()
+    # Who only looks is told all the same.
+    state, notes = Keeping(tmp_path, CONFIG, MACHINE).load(to_write=False)
+    assert state is not None
+    assert (state.position_steps, notes) == (PLACE, [KNOWN])
+    monkeypatch.undo()
+    again, notes = Keeping(tmp_path, CONFIG, MACHINE).load(to_write=True)
+    assert again == state
+    assert notes == [KNOWN]
 
 
 CHANGED = replace(WORDS, position_steps=(173, -7, 3)).packed()[:-4] + WORDS.packed()[-4:]
