@@ -80,10 +80,11 @@ class RunConfig(Section):
     block_delete: bool = Field(
         False, description="Whether lines that start with a slash are left out."
     )
-    confirm_spindle: bool = Field(
-        False,
+    confirm_spindle: Literal["first", "every", "never"] = Field(
+        "first",
         description=(
-            "Whether the operator must confirm that a spindle switched by hand runs or stands."
+            "When the operator must confirm what a spindle switched by hand does: the first time"
+            " that it is to run in a job, every change, or never."
         ),
     )
     spin_up_s: float = Field(
@@ -111,6 +112,14 @@ class RunConfig(Section):
             " and the disk has taken no record of it."
         ),
     )
+
+    @field_validator("confirm_spindle", mode="before")
+    @classmethod
+    def _as_before(cls, value: object) -> object:
+        """Once it was yes or no."""
+        if isinstance(value, bool):
+            return "every" if value else "never"
+        return value
 
 
 class PlannerConfig(Section):

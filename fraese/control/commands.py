@@ -21,6 +21,8 @@ from fraese.errors import LimitError, StateError
 from fraese.log import logged
 from fraese.machine import Machine, Steps
 
+#: A rate is rounded to whole cycles.
+_NEARLY: Final = 1.001
 #: So far a tool is lifted where nobody knows the travel, mm.
 _LIFT_MM: Final = 10.0
 
@@ -108,7 +110,13 @@ class Commands:
             targets_mm, relative=relative, machine_coordinates=machine_coordinates
         )
         self.check_moves([target])
+        here = self.position.position_steps
         self.start("move", lines.line_to(self.position, target, feed_mm_min), guest=True)
+        fastest = softlimits.fastest_mm_min(self.machine, here, target)
+        if feed_mm_min is not None and feed_mm_min > fastest * _NEARLY:
+            self.say(
+                f"F {feed_mm_min:.0f} mm/min is more than the axes can: it goes with {fastest:.0f}."
+            )
 
     @logged
     def run_curve(

@@ -247,6 +247,12 @@ class MotionQueue:
         """A block of this job was taken in hand or dropped: why the motors stand is about it."""
         return self.report.playing > self._serial_at_start
 
+    @property
+    @any_thread
+    def tag(self) -> int:
+        """Of the block in hand, or the last one of this job; 0: none has begun."""
+        return self.report.tag if self.has_begun else 0
+
     def duration_s(self) -> float:
         """Motion in the queue, as planned, without what was played of the block in hand."""
         total_s = sum(queued.duration_s for queued in self._queue)

@@ -388,7 +388,7 @@ class RunLoop:
     def _progress_now(self, progress: JobProgress) -> JobProgress:
         return replace(
             progress,
-            line=line_of(self._queue.report.tag),
+            line=line_of(self._queue.tag),
             blocks=self._queue.blocks,
             elapsed_s=(self._clock.now_ns() - self._job_from_ns) / _NS_PER_S,
         )

@@ -144,7 +144,7 @@ class Runner:
         """Do another job while this one waits for its answer."""
         assert self._job is not None
         assert isinstance(self._wait, Ask)
-        self._host = _Host(self._job, self._wait, self._aside, self._queue.report.tag)
+        self._host = _Host(self._job, self._wait, self._aside, self._queue.tag)
         self._job, self._begun, self._cuts = guest, False, False
         self._aside = self._wait = None
         self.question = ""

@@ -17,6 +17,8 @@ from fraese.errors import LimitError
 from fraese.machine import Axis, Machine, Steps, three_decimals
 from fraese.workframe import WorkFrame
 
+#: Numbers beyond are mistakes of typing.
+_LARGEST_MM: Final = 1e7
 #: Below this nothing gets anywhere: a millimetre would take more than a day.
 _SLOWEST_MM_MIN: Final = 0.0005
 
@@ -175,10 +177,16 @@ def require_finite(axis: Axis, value_mm: float) -> None:
     """See that a coordinate is a number.
 
     Raises:
-        LimitError: if it is not.
+        LimitError: if it is not, or no machine is so large.
     """
+    name = axis.name.upper()
     if not math.isfinite(value_mm):
-        raise LimitError(f"{axis.name.upper()} needs a number, not {value_mm}.")
+        raise LimitError(f"{name} needs a number, not {value_mm}.")
+    if abs(value_mm) > _LARGEST_MM:
+        raise LimitError(
+            f"{name} {value_mm:g} is further than any machine: at most"
+            f" {axis.with_unit(f'{_LARGEST_MM:,.0f}')} either way."
+        )
 
 
 def require_feed(feed_mm_min: float | None) -> None:
@@ -195,6 +203,20 @@ def require_feed(feed_mm_min: float | None) -> None:
         raise LimitError(
             f"A feed is a number of mm/min from {_SLOWEST_MM_MIN:g} on, not {feed_mm_min:g}."
         )
+
+
+def fastest_mm_min(machine: Machine, here: Steps, there: Steps) -> float:
+    """How fast the axes can go along a straight line of linear axes; infinite elsewhere."""
+    ways_mm = [
+        axis.to_mm(to) - axis.to_mm(at)
+        for axis, at, to in zip(machine.axes, here, there, strict=True)
+    ]
+    moved = [(axis, way) for axis, way in zip(machine.axes, ways_mm, strict=True) if way]
+    if any(axis.kind == "rotary" for axis, _ in moved):
+        return math.inf
+    length_mm = math.hypot(*ways_mm)
+    rates = (axis.max_rate_hz * axis.step_mm * 60 * length_mm / abs(way) for axis, way in moved)
+    return min(rates, default=math.inf)
 
 
 def require_override(factor: float) -> None:

@@ -56,4 +56,4 @@ class Unfinished:
         """What must be known to go on; None: there is nothing."""
         if self._note is None:
             return self.left
-        return self._note(self._queue.report.tag, self._position.offsets.parameters)
+        return self._note(self._queue.tag, self._position.offsets.parameters)

@@ -24,6 +24,8 @@ _IN_MEMORY_BYTES: Final = 4 << 20
 #: No program is larger; a file that is would fill the disk.
 MOST_BYTES: Final = 1 << 30
 _CHUNK_BYTES: Final = 1 << 18
+#: A file that is larger holds something.
+_MOST_BLANKS: Final = 4096
 #: So often a file that changes while it is copied is begun anew.
 _TRIES: Final = 3
 
@@ -68,6 +70,14 @@ class Content:
     def open(self) -> io.BufferedReader:
         """A reader of its own, at the beginning."""
         return io.BufferedReader(_Reading(self), _CHUNK_BYTES)
+
+    @property
+    def is_blank(self) -> bool:
+        """There is nothing in it but blanks."""
+        if self.size > _MOST_BLANKS:
+            return False
+        with self.open() as stream:
+            return not stream.read().strip()
 
     def lines(self) -> Generator[str, None, None]:
         """Its lines without their ends.

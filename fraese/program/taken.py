@@ -64,4 +64,6 @@ def take_program(path: Path) -> Taken:
     main = take(path)
     if main is None:
         raise ProgramError("there is no such file.", file=str(path))
+    if main.is_blank:
+        raise ProgramError("is empty: there is nothing to run.", file=str(path))
     return Taken(path, main, {})

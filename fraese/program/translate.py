@@ -80,6 +80,7 @@ class Translation:
         self._context = context
         self._controller = controller
         self._override = 1.0
+        self._has_turned = False
         self._probed_way: tuple[float, ...] = ()
         self.numbers = Numbers()
         self.answers: dict[int, canon.Facts] = {}
@@ -179,11 +180,17 @@ class Translation:
             if on
             else "Spindle off"
         )
-        if self._context.config.run.confirm_spindle:
+        if self._is_to_be_confirmed(on):
             return (yield from self._ask(f"{text}: confirm.", move))
         else:
             self._say(f"Line {move.line}: {text} (switched by hand).")
         return None
+
+    def _is_to_be_confirmed(self, on: bool) -> bool:
+        """Nobody but the operator knows whether a spindle that is switched by hand turns."""
+        when = self._context.config.run.confirm_spindle
+        is_first, self._has_turned = on and not self._has_turned, self._has_turned or on
+        return when == "every" or (when == "first" and is_first)
 
     def _coolant(self, move: canon.Coolant) -> Part:
         if not (yield from self._switch("coolant", move.mist or move.flood)):

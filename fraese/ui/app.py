@@ -23,17 +23,18 @@ from rich.console import RenderableType
 from textual import events
 from textual.actions import SkipAction
 from textual.driver import Driver
+from textual.screen import ModalScreen
 
 from fraese.control.controller import Controller
 from fraese.control.state import MachineState, Status
 from fraese.plaintext import plain
 from fraese.signalwatch import watched
 from fraese.ui.bindings import bind
-from fraese.ui.dialogs.page import LivePage
+from fraese.ui.dialogs.page import LivePage, Page
 from fraese.ui.dialogs.switches import Hand
 from fraese.ui.eventlog import EventLog, Kind
 from fraese.ui.fingers import Fingers
-from fraese.ui.keys import PALETTE, STOP_KEYS, Area, KeyTable
+from fraese.ui.keys import PALETTE, STOP_BYTE_KEY, STOP_KEYS, Area, KeyTable
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.messages import Alarmed, Noted, Refused
 from fraese.ui.programs import OpenProgram, ProgramDesk, Resume, nothing_is_kept
@@ -110,7 +111,7 @@ class FraeseApp(ViewedApp):
         )
         self._notes = tuple(notes)
         self._state = self.link.state()
-        self._stopped_s = -math.inf
+        self._stopped_s, self._stop_key = -math.inf, ""
         self._drawn_at_s = 0.0
         self._draw_planned = False
         bind(self, self._keys.of(Area.EVERYWHERE))
@@ -262,7 +263,7 @@ class FraeseApp(ViewedApp):
                 self._fingers.press(event.key, event.time)
                 self._heard = self._early_stop.of(event)
                 if event.key in STOP_KEYS:
-                    self._stopped_s = event.time
+                    self._stopped_s, self._stop_key = event.time, event.key
         await super().on_event(event)
         self._heard = None
 
@@ -278,10 +279,21 @@ class FraeseApp(ViewedApp):
                 self.link.brake()
         if self._programs.give_up():
             self.view.say("Given up: the program is not looked through, and nothing was started.")
-        elif not moving:
+        elif not moving and not self._closed_by_stop():
             raise SkipAction
         if moving:
             self.view.draw(self._state, True)
+
+    def _closed_by_stop(self) -> bool:
+        """At standstill Ctrl+C closes what Escape closes: a dialog, the palette."""
+        top = self.screen
+        if self._stop_key != STOP_BYTE_KEY or not isinstance(top, ModalScreen):
+            return False
+        if isinstance(top, Page):
+            top.action_back()
+        else:
+            top.dismiss(None)
+        return True
 
     async def action_quit(self) -> None:
         """Brake and leave."""

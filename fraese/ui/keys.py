@@ -148,6 +148,10 @@ _OVERRIDES: Final = (
 )  # fmt: skip
 _AFTERWARDS: Final = (
     Row(
+        Area.MACHINE, "L", "L", "lift", "Lift the tool",
+        "Raise the tool to its safe height; where nobody knows that, by 10 mm.", "Position",
+    ),
+    Row(
         Area.MACHINE, "ctrl+z", "^z", "undo_zero", "Undo zero",
         "Let the work zero be where it was before it was set last; the one before with the next"
         " press.", "Position",

@@ -5,6 +5,7 @@ Textual's driver for Unix with another way out (``ScreenWriter``) and another wa
 Rule 1: no byte that arrives ends the app: what is no UTF-8 is a replacement character, what the
         parser of keys does not understand is left out, and a paste without an end gets one.
 Rule 2: a terminal that is gone is told of once, at once.
+        Text that comes faster than fingers type is a paste, whether the terminal says so or not.
 Rule 3: what is typed faster than the app can follow is left out, but for the stop keys: no backlog
         moves a machine later. What is pasted has an end.
 Rule 4: what was typed before anything was drawn is left out, for the same reason, but for the key
@@ -28,6 +29,7 @@ from textual.message import Message
 
 from fraese.earlyterminal import EARLY
 from fraese.ui.keys import QUIT_KEYS, STOP_BYTE, STOP_BYTE_KEY, STOP_KEYS
+from fraese.ui.pastes import with_pastes
 from fraese.ui.screenwriter import ScreenWriter
 
 _LOOK_EVERY_S: Final = 0.1
@@ -161,15 +163,16 @@ class _Keys:
     def heard(self, data: bytes) -> Iterator[Message]:
         """What these bytes mean; none: nothing came for a moment."""
         text = self._decoder.decode(data)
-        told = braked = False
+        messages: list[Message] = []
         try:
             for message in chain(self._parser.feed(text) if text else (), self._parser.tick()):
-                told = True
-                braked |= _is_one_of(message, (STOP_BYTE_KEY,))
-                yield message
+                messages.append(message)
         except Exception:
             # It has lost its place: it begins anew with what comes next.
             self._begin_anew()
+        told = bool(messages)
+        braked = any(_is_one_of(message, (STOP_BYTE_KEY,)) for message in messages)
+        yield from with_pastes(messages)
         if STOP_BYTE in text and not braked:
             # It stands in the middle of something else.
             yield Key(STOP_BYTE_KEY, STOP_BYTE)

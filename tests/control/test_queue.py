@@ -4,8 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from fraese.control.jobs import Job
 from fraese.control.state import Status
 from fraese.errors import StateError
+from fraese.planner.lines import plan_line
 from tests.helpers import after_slices, axes, carriages, homed, look, plant, program, run_program
 
 
@@ -84,3 +86,27 @@ def test_a_jog_off_a_closed_switch_and_no_further_in() -> None:
     controller.jog("x", -3)
     assert controller.run() is Status.ERROR
     assert 1 < controller.state().position_mm[0] < 4
+
+
+def test_the_line_of_the_job_before_is_not_that_of_this_one() -> None:
+    made = plant()
+    controller = made.controller
+
+    def job(tag: int) -> Job:
+        block = plan_line(made.controller.machine, (200, 0, 0), 600.0, tag=tag)
+        assert block is not None
+        yield block
+
+    controller.start("one", job(774), lines=1000)
+    controller.run()
+    progress = controller.state().job
+    assert progress is not None
+    assert progress.line == 774
+    controller.start("two", job(3), lines=39)
+    progress = controller.state().job
+    assert progress is not None
+    assert progress.line == 0
+    controller.run()
+    progress = controller.state().job
+    assert progress is not None
+    assert progress.line == 3

@@ -489,17 +489,26 @@ def test_cancel_at_a_question(tmp_path: Path) -> None:
 
 
 def test_outputs_that_hang_on_nothing_are_told_and_never_refused(tmp_path: Path) -> None:
-    made = homed()
+    made = homed(run={"confirm_spindle": "never"})
     told = messages(made)
     text = "M3 S1000\nM8\nM7\nM4 S200\nM5\nM9\nM2\n"
     assert run_program(made, program(tmp_path, text)) is Status.OK
     assert "Spindle on, clockwise, 1000 rev/min" in told[0]
     assert "coolant mist and flood on" in told[2]
     assert "counter-clockwise" in told[3]
-    confirmed = homed(run={"confirm_spindle": True})
-    asked = answering(confirmed)
-    assert run_program(confirmed, program(tmp_path, text)) is Status.OK
-    assert len(asked) == 3
+
+
+@pytest.mark.parametrize(("when", "times"), [(None, 1), ("first", 1), ("every", 4), (True, 4)])
+def test_that_a_spindle_switched_by_hand_runs_is_confirmed(
+    tmp_path: Path, when: object, times: int
+) -> None:
+    """By default the first time in a job that it is to run: before the cutter goes down."""
+    made = homed(run={} if when is None else {"confirm_spindle": when})
+    asked = answering(made)
+    text = "M5\nM3 S1000\nG1 X1 F600\nM4 S200\nM2\n"
+    assert run_program(made, program(tmp_path, text)) is Status.OK
+    assert asked.count("Spindle on, clockwise, 1000 rev/min: confirm.") == 1
+    assert len(asked) == times
 
 
 @pytest.mark.parametrize("active_high", [True, False])
@@ -571,10 +580,10 @@ def test_from_a_line_behind_the_end_is_refused(tmp_path: Path, line: int) -> Non
 
 def test_from_a_line_repeats_spindle_and_tool(tmp_path: Path) -> None:
     made = homed()
-    told, asked = messages(made), answering(made)
+    asked = answering(made)
     text = "T2 M6\nM3 S500\nG1 X5 F200\nX10\nM2\n"
     assert run_program(made, program(tmp_path, text), from_line=4) is Status.OK
-    assert any("Spindle on" in text for text in told)
+    assert any("Spindle on" in text for text in asked)
     assert len(asked) == 1
 
 

@@ -91,7 +91,8 @@ def test_what_was_stopped_is_shown_and_gone_on_with(tmp_path: Path) -> None:
             cut = b.drawn.cut_short
             assert cut is not None
             notices = [notice.message for notice in b.app._notifications]
-            assert f"part.ngc was cut short in line {cut.line}: u goes on with it." in notices
+            offer = "u goes on with it, L lifts the tool."
+            assert f"part.ngc was cut short in line {cut.line}: {offer}" in notices
             dialog = await asked(b)
             said = shown(dialog)
             assert f"part.ngc was cut short in line {cut.line}:" in said

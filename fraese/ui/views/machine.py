@@ -177,6 +177,10 @@ class MachineView(AfterFaults):
         link = self.desk.link
         self.expect(link.zero((axis,) if axis else link.shape.names))
 
+    def action_lift(self) -> None:
+        """Out of the way."""
+        self.expect(self.desk.link.lift())
+
     def action_undo_zero(self) -> None:
         """Work zero as it was."""
         self.expect(self.desk.link.undo_zero())

@@ -127,7 +127,8 @@ class View(Screen[None]):
         self._told_of = cut
         if cut is not None:
             sentence = (
-                f"{cut.name} was cut short in line {cut.line}: {said('resume')} goes on with it."
+                f"{cut.name} was cut short in line {cut.line}: {said('resume')} goes on with it,"
+                f" {said('lift')} lifts the tool."
             )
             self.notify(sentence, timeout=10, markup=False)
             if not message:
