@@ -26,6 +26,7 @@ from fraese.cli.departure import Closing, Departure, in_background, left_at_once
 from fraese.cli.output import note, open_standard_files
 from fraese.cli.session import AfterMotion
 from fraese.cli.shared import ConfigOption, Drive, FreshOption, StateOption, TraceOption, leave
+from fraese.config.edit import FileWriter
 from fraese.control.asleft import left_by_crash
 from fraese.errors import FraeseError, UsageError
 from fraese.program import Resumption, open_program
@@ -83,7 +84,7 @@ def start(
             )
         on = Drive(config=config, state=state, fresh=fresh, trace=trace)
         plant = on.plant("paced")
-        return _run_app(plant, file, KeptPrograms(on.folder))
+        return _run_app(plant, file, KeptPrograms(on.folder), FileWriter(config))
 
     leave(go)
 
@@ -93,6 +94,7 @@ def _make_app(
     program: Path | None,
     kept: KeptPrograms,
     leaving: Callable[[int], object] | None = None,
+    writer: FileWriter | None = None,
 ) -> "FraeseApp":
     # Textual takes a quarter of a second to import; headless commands do not pay for it.
     from fraese.ui.app import FraeseApp
@@ -108,10 +110,11 @@ def _make_app(
         machine_name=plant.machine_name,
         hand=plant.press if plant.is_simulated else None,
         leaving=leaving,
+        writer=writer,
     )
 
 
-def _run_app(plant: Plant, program: Path | None, kept: KeptPrograms) -> int:
+def _run_app(plant: Plant, program: Path | None, kept: KeptPrograms, writer: FileWriter) -> int:
     """The app, to its end; the exit code."""
     departure = Departure(leave=left_at_once(sys.stdin.fileno()))
     ui: FraeseApp | None = None
@@ -131,7 +134,7 @@ def _run_app(plant: Plant, program: Path | None, kept: KeptPrograms) -> int:
         in_background(lambda: departure.machine_is_closed(closing.code(code)), "way out")
 
     try:
-        ui = _make_app(plant, program, kept, leaving)
+        ui = _make_app(plant, program, kept, leaving, writer)
         ui.run()
     finally:
         _close_moved(plant, closing)

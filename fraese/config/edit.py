@@ -50,6 +50,26 @@ def set_keys(path: Path, values: Mapping[str, Value]) -> None:
     _replace(path, text)
 
 
+class FileWriter:
+    """Writes the file that counts.
+
+    Args:
+        named: by the user; None: the one that is found.
+    """
+
+    def __init__(self, named: Path | None = None) -> None:
+        self._named = named
+
+    @property
+    def path(self) -> str:
+        """Of the file, or of the one that would be made."""
+        return str(file_to_write(self._named))
+
+    def write(self, values: Mapping[str, Value]) -> None:
+        """See ``set_keys``."""
+        set_keys(Path(self.path), values)
+
+
 def as_toml(value: Value) -> str:
     """A value as it stands in the file."""
     if isinstance(value, tuple):

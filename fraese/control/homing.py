@@ -23,7 +23,7 @@ from fraese import alarms
 from fraese.blocks import WatchAction
 from fraese.config.work import HomingConfig
 from fraese.control.endswitches import EndSwitches
-from fraese.control.jobs import STANDSTILL, Demand, Job
+from fraese.control.jobs import STANDSTILL, Demand, Doing, Job
 from fraese.control.lines import axis_line
 from fraese.control.position import Position
 from fraese.errors import HomingError, LimitError
@@ -95,6 +95,7 @@ class Homing:
         """
         report = yield STANDSTILL
         if report.switch_closed and any(self._axis(name).has_switches for name in axes):
+            yield Doing("a switch is closed: off whichever it is")
             ends = self._switches.ends()
             # Since the last command somebody may have moved a carriage by hand.
             others = self._switches.ends(kept=False) - ends
@@ -121,6 +122,7 @@ class Homing:
         self._position.set_reference(name, 0)
         if not self._measure:
             return name.upper()
+        yield Doing(f"{name.upper()}: to the other end")
         other = yield from self._find(axis, -sign)
         yield from self._pull_off(axis, -sign, other)
         zero_to_switch = axis.to_steps(self._config.pull_off_mm)
@@ -132,6 +134,7 @@ class Homing:
 
     def _back_to_zero(self, axis: Axis) -> _Steps:
         """The other end may lie outside the soft limits; home is where a reference run ends."""
+        yield Doing(f"{axis.name.upper()}: back to machine zero")
         motor = self._machine.index(axis.name)
         distance = -self._position.position_steps[motor]
         yield from axis_line(self._position, motor, distance, None, None)
@@ -142,6 +145,7 @@ class Homing:
         config = self._config
         search_mm = axis.travel_mm * config.search_factor
         end = self._name(axis, sign)
+        yield Doing(f"{axis.name.upper()}: to the switch {end}")
         report = yield from self._go(axis, sign * search_mm, config.approach_mm_min, closed=True)
         if report.ended is not Ended.WATCH:
             lost = self._lost()
@@ -152,7 +156,9 @@ class Homing:
                 f" {self._position.in_words()}. {lost}".rstrip(),
                 end=end,
             )
+        yield Doing(f"{axis.name.upper()}: off {end}, slowly, until it opens")
         yield from self._open(axis, sign)
+        yield Doing(f"{axis.name.upper()}: slowly to {end} again: this contact counts")
         report = yield from self._go(
             axis, sign * 2 * config.back_off_max_mm, config.slow_mm_min, closed=True
         )
@@ -181,6 +187,8 @@ class Homing:
 
     def _pull_off(self, axis: Axis, sign: int, contact: int) -> _Steps:
         """From the contact to the pull-off distance; the switch opens on the way."""
+        way = axis.with_unit(self._config.pull_off_mm)
+        yield Doing(f"{axis.name.upper()}: {way} off {self._name(axis, sign)}")
         index = self._machine.index(axis.name)
         target = contact - sign * axis.to_steps(self._config.pull_off_mm)
         distance = target - self._position.position_steps[index]

@@ -7,6 +7,7 @@ yielding one of the classes below; what it gets back is the driver's report at t
     report = yield STANDSTILL   everything pushed so far has been played
     ... Standstill(cut=...)     or was braked and dropped, because that said so
     report = yield Ask("...")   the operator has answered
+    report = yield Doing("...") at once: what comes next is this
     report = yield TURN         the run loop has been round: who computes for long is no hindrance
 
 So homing is written as it is read, a program streams, and both are stopped in one place.
@@ -39,6 +40,13 @@ class Ask:
 
 
 @dataclass(frozen=True, slots=True)
+class Doing:
+    """Wait for nothing: for people, what is done from here on."""
+
+    what: str
+
+
+@dataclass(frozen=True, slots=True)
 class Turn:
     """Wait for nothing: let the run loop look after the driver, the keys and the display."""
 
@@ -65,5 +73,5 @@ def move_of(tag: int) -> int:
     return tag >> MOVE_BITS
 
 
-Demand = Block | Standstill | Ask | Turn
+Demand = Block | Standstill | Ask | Doing | Turn
 Job = Generator[Demand, Report, None]

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from fraese.anythread import any_thread
 from fraese.blocks import Block
 from fraese.control.bounds import Span
-from fraese.control.jobs import TURN, Ask, Job, Standstill, Turn
+from fraese.control.jobs import TURN, Ask, Doing, Job, Standstill, Turn
 from fraese.control.motionqueue import MotionQueue, span_of
 from fraese.control.retract import Aside, Detour
 from fraese.control.state import Status
@@ -46,6 +46,7 @@ class Runner:
     Attributes:
         failure: what the job failed with, if it did.
         question: what the operator is asked now; empty if nothing.
+        doing: what the job says that it does; empty: it says nothing.
         computes: the job does not wait for motors: it has more to compute.
     """
 
@@ -57,7 +58,7 @@ class Runner:
         self._lead_s = lead_s
         self._slice_s = slice_s
         self.failure: FraeseError | None = None
-        self.question = ""
+        self.question = self.doing = ""
         self.computes = False
         self._job: Job | None = None
         self._host: _Host | None = None
@@ -132,6 +133,7 @@ class Runner:
         self._aside = Aside(self._driver, self._queue, detour) if detour is not None else None
         self._job = job
         self._begun = self._cuts = False
+        self.doing = ""
         self.failure = None
 
     @property
@@ -274,6 +276,9 @@ class Runner:
         try:
             demand = job.send(self._queue.report) if self._begun else next(job)
             self._begun = True
+            while isinstance(demand, Doing):
+                self.doing = demand.what
+                demand = job.send(self._queue.report)
         except StopIteration:
             self._job = None
             return

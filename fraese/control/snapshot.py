@@ -4,6 +4,8 @@ Rule 1: from any thread. Every part replaces whole what is read here; a look is 
         what the operator has just ordered may show in it before the motors know.
 """
 
+from dataclasses import replace
+
 from fraese.anythread import any_thread
 from fraese.control.endswitches import EndSwitches
 from fraese.control.motionqueue import MotionQueue
@@ -38,7 +40,7 @@ def snapshot(
         step_word: what the card calls one step.
         seen: what an onlooker sees.
     """
-    report, axes = queue.report, where.machine.axes
+    report, axes, job = queue.report, where.machine.axes, loop.progress()
     position_steps, frame = where.position_steps, where.frame
     position_mm = where.machine.to_mm(position_steps)
     return MachineState(
@@ -63,7 +65,7 @@ def snapshot(
         ends=switches.names(),
         switch_ignored=switches.ignored,
         inputs=levels(report.inputs, STATUS_PINS),
-        job=loop.progress(),
+        job=job and replace(job, doing=loop.runner.doing),
         log_on=log_on,
         late_ticks=report.late_ticks,
         dry_queues=report.dry_queues,

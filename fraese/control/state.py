@@ -29,6 +29,7 @@ class JobProgress:
         blocks: blocks pushed so far.
         elapsed_s: machine time since the start.
         expected_s: planned duration; 0 where that is not known.
+        doing: what it does now, half a sentence; empty: it does not say.
     """
 
     name: str
@@ -37,6 +38,7 @@ class JobProgress:
     blocks: int = 0
     elapsed_s: float = 0.0
     expected_s: float = 0.0
+    doing: str = ""
 
 
 @dataclass(frozen=True, slots=True)

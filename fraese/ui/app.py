@@ -30,6 +30,7 @@ from fraese.control.state import MachineState, Status
 from fraese.plaintext import plain
 from fraese.signalwatch import watched
 from fraese.ui.bindings import bind
+from fraese.ui.calibrating import Writer
 from fraese.ui.dialogs.page import LivePage, Page
 from fraese.ui.dialogs.switches import Hand
 from fraese.ui.eventlog import EventLog, Kind
@@ -69,6 +70,7 @@ class FraeseApp(ViewedApp):
         machine_name: which machine is driven, such as "simulated mill"; shown in the title.
         hand: presses (True) or lets go of (False) an end switch of a simulated machine, by name.
         leaving: told, from any thread, that the app begins to leave, and with which exit code.
+        writer: writes the configuration file; None: there is none to write.
         views: the table of views; the first is there at the start.
 
     Attributes:
@@ -91,6 +93,7 @@ class FraeseApp(ViewedApp):
         machine_name: str = "",
         hand: Hand | None = None,
         leaving: Callable[[int], object] | None = None,
+        writer: Writer | None = None,
         views: Mapping[str, type[View]] = VIEWS,
     ) -> None:
         self.link = MachineLink(controller, self.post_message)
@@ -121,7 +124,7 @@ class FraeseApp(ViewedApp):
             views,
             Desk(
                 self.link, self._keys, self._repeats, self._programs, machine_name, hand,
-                self._events,
+                self._events, writer,
             ),
         )  # fmt: skip
 

@@ -18,6 +18,7 @@ from itertools import groupby
 from typing import Final
 
 from fraese.ui.keyrows import frame
+from fraese.ui.keyrows.calibrate import CALIBRATE, CALIBRATE_DIALOGS
 from fraese.ui.keyrows.dialogs import AFTER_AXES, BEFORE_AXES
 from fraese.ui.keyrows.row import Area as Area
 from fraese.ui.keyrows.row import Row as Row
@@ -185,7 +186,17 @@ PALETTE: Final = Row(Area.EVERYWHERE, "ctrl+p", "^p", "app.command_palette")
 
 
 _FIXED: Final = (*_STOP, _QUIT, *_GOING, *_REST, *_AFTERWARDS, *_OVERRIDES, *_SCROLLING)
-GROUPS: Final = ("Stop", "Views", "Jog", "Position", "Program", "Display", "Log", "Machine")
+GROUPS: Final = (
+    "Stop",
+    "Views",
+    "Jog",
+    "Position",
+    "Program",
+    "Calibrate",
+    "Display",
+    "Log",
+    "Machine",
+)
 STOP_KEYS: Final = frozenset(
     key for row in _FIXED if row.action == "app.stop_machine" for key in row.keys.split(",")
 )
@@ -294,7 +305,7 @@ class KeyTable:
         )
         # The widths have a line of their own, the path is in another picture.
         steps = (_set_width(number, width) for number, width in enumerate(widths(shape), start=1))
-        self.commands = (
+        self.commands: tuple[Row, ...] = (
             *self.listed,
             *self.views.values(),
             *frame.AROUND,
@@ -302,10 +313,11 @@ class KeyTable:
             *_OVERRIDES,
             *steps,
             *_SCROLLING,
+            *(CALIBRATE if "calibrate" in self.views else ()),
             *frame.LOG,
         )
         boxes = (_choose(axis) for axis in shape.axes)
-        self.rows = (*self.commands, *BEFORE_AXES, *boxes, *AFTER_AXES)
+        self.rows = (*self.commands, *BEFORE_AXES, *boxes, *AFTER_AXES, *CALIBRATE_DIALOGS)
         self._step_word = shape.step_word
 
     def of(self, *areas: Area) -> Iterable[Row]:

@@ -35,6 +35,7 @@ class MachineLink:
     Attributes:
         shape: what the machine has.
         left_at_start: what a crash before this start has left; None: there was none.
+        switches_tried: end switches that were pressed by hand and seen since the start.
     """
 
     def __init__(
@@ -50,6 +51,7 @@ class MachineLink:
             controller, self._worker, lambda said: post(Noted(said)), self._refused
         )
         self.shape = shape_of(controller)
+        self.switches_tried: frozenset[str] = frozenset()
         self.left_at_start = left_by_crash(controller)
         controller.set_display(self._full_display)
         controller.set_show_pos(self.offer)
@@ -236,6 +238,10 @@ class MachineLink:
         return " ".join(
             axis.with_unit(number) for (axis, _), number in zip(chosen, numbers, strict=True)
         )
+
+    def tick_off(self, name: str) -> None:
+        """This end switch was pressed by hand, and seen."""
+        self.switches_tried |= {name}
 
     def ask_what_was_left(self, tell: Callable[[Left | None], object]) -> bool:
         """What a crash has left and is not settled yet; told in the machine's thread."""

@@ -19,7 +19,7 @@ from fraese.control.calibration.figures import Figures
 from fraese.control.calibration.moves import AxisMoves
 from fraese.control.calibration.proposal import Change, Proposal, proposal
 from fraese.control.controller import Controller
-from fraese.control.jobs import STANDSTILL, Ask, Job
+from fraese.control.jobs import STANDSTILL, Ask, Doing, Job
 from fraese.control.softlimits import require_finite
 from fraese.errors import LimitError
 
@@ -106,8 +106,10 @@ class BacklashTest:
         sign = axis.home_sign
         yield from moves.find(sign)
         yield from moves.off_contact(sign)
-        for _ in range(times):
+        for number in range(1, times + 1):
+            yield Doing(f"{number} of {times}: creeping in until the switch closes")
             closed = yield from moves.creep(sign, closed=True, longest_mm=_MOST_MM)
+            yield Doing(f"{number} of {times}: creeping out until it opens")
             opened = yield from moves.creep(-sign, closed=False, longest_mm=_MOST_MM)
             play = abs(closed - opened) - moves.stride_steps
             self._found_mm = (*self._found_mm, axis.to_mm(max(0, play)))

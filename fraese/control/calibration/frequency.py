@@ -33,7 +33,7 @@ from fraese.control.calibration.sweep import (
 )
 from fraese.control.controller import Controller
 from fraese.control.homing import Homing
-from fraese.control.jobs import STANDSTILL, Job
+from fraese.control.jobs import STANDSTILL, Doing, Job
 from fraese.control.softlimits import require_reachable
 from fraese.errors import LimitError
 
@@ -112,6 +112,9 @@ class FrequencyTest:
         axis: name.
         by_switch: let the end switch tell of lost steps; else a person marks them.
         hold_s: by ear, how long each value is heard.
+
+    Attributes:
+        by_switch: as given.
     """
 
     def __init__(
@@ -119,7 +122,7 @@ class FrequencyTest:
     ) -> None:
         self._controller = controller
         self._moves = AxisMoves(controller, axis)
-        self._by_switch = by_switch
+        self.by_switch = by_switch
         self._hold_s = hold_s
         self._rest = dwell(len(controller.machine.axes), _REST_S)
         self._runs: dict[Stage, _Run] = {}
@@ -163,7 +166,7 @@ class FrequencyTest:
         run = self._run
         return Progress(
             self._moves.axis.name,
-            self._by_switch,
+            self.by_switch,
             run.sweep.stage if run else None,
             run.value if run else 0.0,
             run.sweep.values if run else (),
@@ -201,13 +204,13 @@ class FrequencyTest:
             StateError: if the machine is not ready.
         """
         moves = self._moves
-        if self._by_switch:
+        if self.by_switch:
             moves.require_switches()
         else:
             self._controller.check_moves([])
         # What is refused is refused before anything moves.
         first = self._usual(stages[0], wish)
-        if not self._by_switch:
+        if not self.by_switch:
             self._require_room(first)
         name = moves.axis.name.upper()
         self._controller.start(f"frequency test of {name}", self._job(stages, wish))
@@ -246,14 +249,14 @@ class FrequencyTest:
     def _job(self, stages: Sequence[Stage], wish: Wish) -> Job:
         moves = self._moves
         self._controller.position.lose_reference([moves.motor])
-        if self._by_switch:
+        if self.by_switch:
             yield from self._look_at_switch()
         for stage in stages:
             run = _Run(self._usual(stage, wish))
             self._runs[stage] = self._run = run
             yield from self._try_all(run)
         self._run = None
-        if self._by_switch:
+        if self.by_switch:
             yield from moves.leave(moves.axis.home_sign)
             yield from self._reference()
 
@@ -272,11 +275,12 @@ class FrequencyTest:
     def _try_all(self, run: _Run) -> Job:
         for value in run.sweep.values:
             run.value = value
+            yield Doing(f"{run.sweep.stage.value}: {value:g} {run.sweep.stage.unit}")
             late_before = self._controller.state().late_ticks
             rates = run.sweep.at(value)
             way = rates.way_steps(self._room_steps())
             lost = 0
-            if self._by_switch:
+            if self.by_switch:
                 lost = yield from self._by_the_switch(rates, way)
             else:
                 yield from self._by_ear(run, rates, way)

@@ -15,7 +15,7 @@ from typing import Final
 from fraese import alarms
 from fraese.blocks import Watch, WatchAction, dwell
 from fraese.control.controller import Controller
-from fraese.control.jobs import STANDSTILL, Demand
+from fraese.control.jobs import STANDSTILL, Demand, Doing
 from fraese.errors import HomingError, LimitError
 from fraese.machine import Axis, Machine
 from fraese.motor.seams import Ended, Report
@@ -115,6 +115,7 @@ class AxisMoves:
         """
         homing = self._controller.config.homing
         search_mm = self.axis.travel_mm * homing.search_factor
+        yield Doing(f"to the switch {self.end_name(sign)}")
         yield from self.to_contact(sign, search_mm, homing.approach_mm_min)
         yield from self.off_contact(sign)
         return (yield from self.to_contact(sign, 2 * homing.back_off_max_mm, homing.slow_mm_min))

@@ -17,7 +17,7 @@ from fraese.anythread import any_thread
 from fraese.control.calibration.figures import Figures
 from fraese.control.calibration.moves import AxisMoves
 from fraese.control.controller import Controller
-from fraese.control.jobs import Job
+from fraese.control.jobs import Doing, Job
 from fraese.errors import LimitError
 
 #: How many approaches one can wait for.
@@ -115,7 +115,8 @@ class RepeatTest:
         axis = moves.axis
         clear_mm = _CLEAR_MM + axis.to_mm(axis.backlash_steps)
         first = yield from moves.find(sign)
-        for _ in range(self._approaches):
+        for number in range(1, self._approaches + 1):
+            yield Doing(f"approach {number} of {self._approaches}")
             yield from moves.off_contact(sign)
             yield from moves.go(-sign * axis.to_steps(clear_mm), homing.approach_mm_min)
             longest_mm = clear_mm + 2 * homing.back_off_max_mm

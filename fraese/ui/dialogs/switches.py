@@ -37,18 +37,25 @@ class SwitchPage(LivePage[None]):
         shape: which axes there are.
         state: how the machine stands.
         hand: presses (True) and lets go of a switch where the machine is simulated.
+        tick_off: told each switch that was seen.
     """
 
     AREA = Area.SWITCHES
 
     def __init__(
-        self, keys: KeyTable, shape: Shape, state: MachineState, hand: Hand | None = None
+        self,
+        keys: KeyTable,
+        shape: Shape,
+        state: MachineState,
+        hand: Hand | None = None,
+        tick_off: Callable[[str], object] = lambda name: None,
     ) -> None:
         super().__init__(keys)
         self._state = state
         self._test = SwitchTest(shape.names_with_switches)
         self._rows = {name: SwitchRow(self, name) for name in self._test.names}
         self._hand = hand
+        self._tick_off = tick_off
         self._held = ""
         self._input = Fact("", id="switch-input")
         self._pins = Fact("", id="switch-pins")
@@ -102,7 +109,9 @@ class SwitchPage(LivePage[None]):
 
     def show(self, state: MachineState) -> None:
         """Take the state's reading of the input."""
-        if self._test.look(state.switch_closed):
+        seen = self._test.look(state.switch_closed)
+        if seen:
+            self._tick_off(seen)
             self.app.bell()
         self._input.show(switch_words(state), "-alarm" if state.switch_closed else "-weak")
         levels = "  ".join(

@@ -10,6 +10,7 @@ class Area(Enum):
     EVERYWHERE = "everywhere"
     VIEWS = "every view"
     MACHINE = "Move"
+    CALIBRATE = "Calibrate"
     LOG = "Log"
     GO_TO = "go to"
     REFERENCE = "reference"
@@ -19,6 +20,8 @@ class Area(Enum):
     ASK = "the job asks"
     CONFIRM = "confirm"
     SWITCHES = "switch test"
+    FORM = "a question"
+    CONSENT = "write the configuration"
     HELP = "help"
 
 

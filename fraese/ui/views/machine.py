@@ -214,7 +214,9 @@ class MachineView(AfterFaults):
         if not desk.link.shape.names_with_switches:
             self.refuse("No axis of this machine has end switches (axes.NAME.end_switches).")
             return
-        self.app.push_screen(SwitchPage(desk.keys, desk.link.shape, self.state, desk.hand))
+        link = desk.link
+        page = SwitchPage(desk.keys, link.shape, self.state, desk.hand, link.tick_off)
+        self.app.push_screen(page)
 
     # --- programs --------------------------------------------------------------------------------
 

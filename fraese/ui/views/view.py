@@ -20,6 +20,7 @@ from textual.screen import Screen
 from fraese.control.state import CutShort, MachineState, Status
 from fraese.errors import FraeseError
 from fraese.ui.bindings import bind
+from fraese.ui.calibrating import Writer
 from fraese.ui.dialogs.switches import Hand
 from fraese.ui.eventlog import EventLog, Kind
 from fraese.ui.keys import Area, KeyTable, said
@@ -53,6 +54,7 @@ class Desk:
         machine_name: such as "simulated mill"; may be empty.
         hand: presses (True) and lets go of an end switch where the machine is simulated.
         events: what has happened.
+        writer: writes the configuration file; None: there is none to write.
     """
 
     link: MachineLink
@@ -62,6 +64,7 @@ class Desk:
     machine_name: str
     hand: Hand | None
     events: EventLog
+    writer: Writer | None = None
 
 
 class View(Screen[None]):

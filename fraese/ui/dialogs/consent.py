@@ -1,0 +1,44 @@
+"""Before the configuration is written: which keys, from what to what, in which file."""
+
+from textual.app import ComposeResult
+from textual.widgets import Button
+
+from fraese.control.calibration.proposal import Proposal
+from fraese.ui.dialogs.dialog import Dialog
+from fraese.ui.keys import Area, KeyTable
+from fraese.ui.widgets.fact import Fact
+
+
+class ConsentDialog(Dialog[bool]):
+    """Shows old and new, and asks.
+
+    Args:
+        keys: the table.
+        proposal: what is to be written.
+        path: of the file.
+    """
+
+    AREA = Area.CONSENT
+    HEADING = "Write the configuration?"
+    YES = "Write"
+
+    def __init__(self, keys: KeyTable, proposal: Proposal, path: str) -> None:
+        super().__init__(keys)
+        self._proposal = proposal
+        self._path = path
+
+    def inner(self) -> ComposeResult:
+        """Keys, file, and from when on it counts."""
+        for change in self._proposal.changes:
+            yield Fact(change.words(), classes="change")
+        yield Fact(
+            f"in {self._path}; comments stay. It counts from the next start of the program.",
+            classes="question more",
+        )
+
+    def action_accept(self) -> None:
+        """Yes."""
+        if self.query_one("#back", Button).has_focus:
+            self.action_back()
+            return
+        self.dismiss(True)

@@ -1,0 +1,350 @@
+"""Calibration: routines on the left, on the right what the chosen one does and has found."""
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.widgets import Static
+
+from fraese.control.calibration.frequency import FrequencyTest
+from fraese.control.calibration.stepsize import StepSizeTest
+from fraese.control.calibration.sweep import Wish
+from fraese.control.state import MachineState, Status
+from fraese.errors import FraeseError, UsageError
+from fraese.plaintext import plain_lines
+from fraese.ui.calibrating import ROUTINES, STAGES, Calibration, Routine, Test
+from fraese.ui.dialogs.consent import ConsentDialog
+from fraese.ui.dialogs.form import Field, FormDialog, Words, number, number_or_none, whole
+from fraese.ui.dialogs.reference import Reference, ReferenceDialog
+from fraese.ui.dialogs.switches import SwitchPage
+from fraese.ui.keyrows.calibrate import CALIBRATE, ROUTINE_ROWS
+from fraese.ui.keys import Area
+from fraese.ui.shape import AxisShape
+from fraese.ui.views.view import BUSY, Desk, View
+from fraese.ui.widgets.fact import Fact
+from fraese.ui.widgets.findings import finding, proposed
+from fraese.ui.widgets.links import Link
+
+_KEYS: Final = {row.action: row.shown for row in CALIBRATE}
+_YES: Final = "yes"
+
+
+#: From so many rows on there is room for what a routine does beside what it has found.
+_ROOMY_ROWS: Final = 32
+
+
+class Paragraph(Static):
+    """Lines, as many as there are; drawn when they change."""
+
+    def __init__(self, *, id: str) -> None:  # noqa: A002
+        super().__init__("", id=id, markup=False)
+        self.text = ""
+
+    def show(self, text: str) -> None:
+        """These."""
+        if text != self.text:
+            self.text = text
+            self.update(plain_lines(text))
+
+
+class CalibrateView(View):
+    """Chooses an axis and a routine, asks for what it needs, shows what it finds."""
+
+    AREA = Area.CALIBRATE
+    NAME = "calibrate"
+
+    def __init__(self, desk: Desk) -> None:
+        super().__init__(desk)
+        self.calibration = Calibration(desk.link.order_of)
+        self._at = 0
+        self._routine = ROUTINES["reference"]
+        # A way was made, and how far it went is to be asked when it is over.
+        self._asks = ""
+        self._asked_before: Test | None = None
+        self._axes = Fact("", id="calibrate-axes")
+        self._tried = Paragraph(id="calibrate-tried")
+        self._title = Fact("", id="calibrate-title")
+        self._what = Paragraph(id="calibrate-what")
+        self._doing = Fact("", id="calibrate-doing")
+        self._finding = Paragraph(id="calibrate-finding")
+        self._proposal = Paragraph(id="calibrate-proposal")
+
+    def inner(self) -> ComposeResult:
+        """Left and right."""
+        with Horizontal(id="calibrate"):
+            with Vertical(id="routines"):
+                yield self._axes
+                for row in ROUTINE_ROWS:
+                    yield Link(row.action, row.shown, row.title)
+                yield self._tried
+            with VerticalScroll(id="found", can_focus=False):
+                yield self._title
+                yield self._what
+                yield self._doing
+                yield self._finding
+                yield self._proposal
+
+    # --- what is shown ---------------------------------------------------------------------------
+
+    @property
+    def axis(self) -> AxisShape:
+        """The one that is calibrated."""
+        return self.desk.link.shape.axes[self._at]
+
+    def show_inner(self, state: MachineState) -> None:
+        """What is done now, and what was found."""
+        axes = self.desk.link.shape.axes
+        names = " ".join(
+            f"[{axis.letter}]" if n == self._at else f" {axis.letter} "
+            for n, axis in enumerate(axes)
+        )
+        self._axes.show(f"axis {names}  {_KEYS['axis(-1)']} {_KEYS['axis(1)']}")
+        self._tried.show(self._tried_words())
+        self._title.show(self._routine.title)
+        runs = state.status is Status.RUN
+        doing = state.job.doing if state.job and runs else ""
+        self._doing.show(f"▶ {doing}" if doing else "", "-run" if doing else "")
+        self._show_found(running=runs)
+        self._ask_what_was_made(state)
+
+    def _show_found(self, *, running: bool) -> None:
+        calibration, width = self.calibration, max(30, self._finding.size.width)
+        test = calibration.test if calibration.last == self._routine.name else None
+        what = self._what_words(self._routine)
+        self._what.show(what if test is None or self.size.height >= _ROOMY_ROWS else "")
+        lines = [] if test is None else finding(test, width, running=running)
+        self._finding.show("\n".join(lines))
+        more: Sequence[str] = ()
+        if test is not None and not running:
+            more = proposed(calibration, _KEYS["write"], _KEYS["proposal(1)"])
+        elif running and calibration.frequency_test is test and test is not None:
+            more = [
+                f"{_KEYS['mark']} it resonates   {_KEYS['mark_stall']} it stalls"
+                f"   {_KEYS['unmark']} take back a mark"
+            ]
+        self._proposal.show("\n".join(more))
+
+    def _tried_words(self) -> str:
+        shape, tried = self.desk.link.shape, self.desk.link.switches_tried
+        ends = [name + end for name in shape.names_with_switches for end in ("min", "max")]
+        if not ends:
+            return ""
+        return "switches tried\n" + "\n".join(
+            "  ".join(f"{'✓' if end in tried else '·'} {end}" for end in ends[at : at + 2])
+            for at in range(0, len(ends), 2)
+        )
+
+    def _what_words(self, routine: Routine) -> str:
+        home = f"{self.axis.name}'s end switch"
+        return routine.what.format(axis=self.axis.letter, home=home)
+
+    # --- choosing --------------------------------------------------------------------------------
+
+    def action_axis(self, by: int) -> None:
+        """Another axis."""
+        self._at = (self._at + by) % len(self.desk.link.shape.axes)
+        self._show_again()
+
+    def action_routine(self, name: str) -> None:
+        """Show what it does, and ask for what it needs."""
+        self._routine = routine = ROUTINES[name]
+        self._show_again()
+        if self.desk.link.moving:
+            self.refuse(BUSY)
+        elif routine.by_switch and not self.axis.has_switches:
+            self.refuse(
+                f"{self.axis.letter} has no end switches (axes.{self.axis.name}.end_switches), and"
+                f" {routine.title.lower()} needs one: choose another axis."
+            )
+        else:
+            self._ask(name)
+
+    def _ask(self, name: str) -> None:
+        desk, axis, calibration = self.desk, self.axis.name, self.calibration
+        if name == "reference":
+            self.app.push_screen(ReferenceDialog(desk.keys, desk.link.shape), self._reference)
+        elif name == "switches":
+            self._switches()
+        elif name == "travel":
+            self._form(name, (), lambda words: calibration.travel(axis))
+        elif name == "gauge":
+            self._form(name, (), lambda words: self._asking(name, calibration.gauge(axis)))
+        elif name == "steps":
+            way = Field("way", f"way, {self.axis.unit}", "50")
+            self._form(name, [way], self._way)
+        elif name == "backlash":
+            self._form(
+                name,
+                [Field("times", "how often", "3")],
+                lambda words: calibration.backlash(
+                    axis, whole(words, "times", "how often, as in 3")
+                ),
+            )
+        elif name == "repeat":
+            fields = [
+                Field("which", "which one: min or max; empty: home"),
+                Field("times", "how often", "10"),
+            ]
+            self._form(name, fields, self._repeat)
+        else:
+            self._form(name, self._frequency_fields(), self._frequency)
+
+    def _form(self, name: str, fields: Sequence[Field], begin: Callable[[Words], bool]) -> None:
+        """Ask, and begin; what is wrong with a value is said in the dialog."""
+        routine = ROUTINES[name]
+        done: list[bool] = []
+        dialog = FormDialog(
+            self.desk.keys,
+            f"{routine.title}: {self.axis.letter}",
+            self._what_words(routine),
+            fields,
+            check=lambda words: done.append(begin(words)),
+        )
+        self.app.push_screen(dialog, lambda words: self.expect(all(done)))
+
+    def _reference(self, wanted: Reference | None) -> None:
+        if wanted is not None:
+            self.expect(self.desk.link.reference(wanted.axes, measure=wanted.measure))
+
+    def _switches(self) -> None:
+        desk = self.desk
+        if not desk.link.shape.names_with_switches:
+            self.refuse("No axis of this machine has end switches (axes.NAME.end_switches).")
+            return
+        page = SwitchPage(desk.keys, desk.link.shape, self.state, desk.hand, desk.link.tick_off)
+        self.app.push_screen(page, lambda _: self._show_again())
+
+    # --- beginning -------------------------------------------------------------------------------
+
+    def _way(self, words: Words) -> bool:
+        way_mm = number(words, "way", "a way, as in 50 or -50")
+        return self._asking("steps", self.calibration.steps(self.axis.name, way_mm))
+
+    def _repeat(self, words: Words) -> bool:
+        signs = {"": None, "min": -1, "max": 1}
+        if words["which"] not in signs:
+            raise UsageError(
+                f'"{words["which"]}" is no end: min or max, or nothing for the one to which'
+                f" {self.axis.letter} is referenced."
+            )
+        times = whole(words, "times", "how often, as in 10")
+        return self.calibration.repeat(self.axis.name, signs[words["which"]], times)
+
+    def _frequency_fields(self) -> list[Field]:
+        return [
+            Field("stage", "start, cruise, acceleration, or all", "all"),
+            Field("low", "from, steps/s (empty: as usual)"),
+            Field("high", "to"),
+            Field("step", "in steps of"),
+            Field(
+                "switch", "the switch tells: yes or no", "yes" if self.axis.has_switches else "no"
+            ),
+        ]
+
+    def _frequency(self, words: Words) -> bool:
+        if words["stage"] not in (*STAGES, "all", ""):
+            raise UsageError(
+                f'"{words["stage"]}" is no stage: {", ".join(STAGES)}, or all one by one.'
+            )
+        wish = Wish(
+            number_or_none(words, "low", "where to begin, or nothing"),
+            number_or_none(words, "high", "where to end, or nothing"),
+            number_or_none(words, "step", "from one value to the next, or nothing"),
+        )
+        stage = STAGES.get(words["stage"])
+        if stage is None and wish != Wish():
+            raise UsageError("From, to and step are of one stage: name it.")
+        by_switch = words["switch"].lower() == _YES
+        return self.calibration.frequency(self.axis.name, stage, wish, by_switch=by_switch)
+
+    def _asking(self, name: str, taken: bool) -> bool:
+        """When it is over, somebody has read a ruler or a gauge."""
+        self._asks = name if taken else ""
+        self._asked_before = self.calibration.tests.get(name)
+        return taken
+
+    # --- reading ---------------------------------------------------------------------------------
+
+    def _ask_what_was_made(self, state: MachineState) -> None:
+        """The way was made: how far was it?"""
+        name, test = self._asks, self.calibration.tests.get(self._asks)
+        if not name or self.desk.link.busy or self.app.screen is not self:
+            return
+        if state.status is Status.RUN:
+            return
+        self._asks = ""
+        if test is None or test is self._asked_before:
+            return  # it was refused
+        if state.status is not Status.OK or "ancelled" in state.message:
+            return
+        unit = self.axis.unit
+        if isinstance(test, StepSizeTest):
+            what = f"{test.commanded_mm:g} {unit} were commanded. How far did it really go?"
+            label = f"measured, {unit}; negative: the other way"
+        else:
+            what, label = "It is back. How far from zero is the gauge?", f"it shows, {unit}"
+        dialog = FormDialog(
+            self.desk.keys, ROUTINES[name].title, what, [Field("read", label)], "OK", self._read
+        )
+        self.app.push_screen(dialog, lambda _: self._show_again())
+
+    def _read(self, words: Words) -> None:
+        value_mm = number(words, "read", "what was read")
+        test = self.calibration.test
+        if isinstance(test, StepSizeTest):
+            test.measured(test.commanded_mm, value_mm)
+        elif test is not None and hasattr(test, "read"):
+            test.read(value_mm)
+
+    # --- marks and proposals ---------------------------------------------------------------------
+
+    def action_mark(self) -> None:
+        """It resonates."""
+        self._marked(lambda test: test.mark(), "resonates")
+
+    def action_mark_stall(self) -> None:
+        """It stalls."""
+        self._marked(lambda test: test.mark_stall(), "stalls")
+
+    def action_unmark(self) -> None:
+        """It did not."""
+        self._marked(lambda test: test.unmark(), "is not marked any more")
+
+    def _marked(self, mark: Callable[[FrequencyTest], float | None], word: str) -> None:
+        test = self.calibration.frequency_test
+        value = None if test is None else mark(test)
+        if value is None:
+            self.refuse("Nothing is tried now: marks belong to a frequency test that runs.")
+        else:
+            self.say(f"{value:g} {word}.")
+            self._show_again()
+
+    def action_proposal(self, by: int) -> None:
+        """Another one that explains the figures."""
+        self.calibration.choose(by)
+        self._show_again()
+
+    def action_write(self) -> None:
+        """Show old and new, and ask."""
+        proposal, writer = self.calibration.proposal, self.desk.writer
+        if proposal is None or not proposal.changes:
+            self.refuse("There is nothing to write: measure something first.")
+        elif self.desk.link.moving:
+            self.refuse(BUSY)
+        elif writer is None:
+            self.refuse("There is no configuration file to write here.")
+        else:
+            dialog = ConsentDialog(self.desk.keys, proposal, writer.path)
+            self.app.push_screen(dialog, self._write)
+
+    def _write(self, wanted: bool | None) -> None:
+        proposal, writer = self.calibration.proposal, self.desk.writer
+        if not wanted or proposal is None or writer is None:
+            return
+        try:
+            writer.write(proposal.values())
+        except FraeseError as error:
+            self.refuse(str(error))
+            return
+        self.note(f"Written to {writer.path}: {proposal.words()}. It counts from the next start.")
