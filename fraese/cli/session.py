@@ -3,8 +3,8 @@
 Rule 1: the last line on standard output is the result, for people or, with ``--json``, one object;
         everything else goes to standard error.
 Rule 2: an interrupt or termination signal brakes with ramp, keeps the state, and ends with 130.
-Rule 3: a question of the program is asked where a person sits at a terminal. Elsewhere it is
-        answered at once and noted.
+Rule 3: a question of the program is asked where a person sits at a terminal, who may move by hand
+        before he answers (``byhand.py``). Elsewhere it is answered at once and noted.
 """
 
 import json
@@ -18,6 +18,7 @@ from typing import Any, Final
 
 from fraese.alarms import Trust
 from fraese.assembly import Plant
+from fraese.cli.byhand import HINT, by_hand
 from fraese.cli.departure import Departure
 from fraese.cli.output import note, result, say, show_progress, tell, wipe_progress
 from fraese.control.controller import Controller
@@ -237,19 +238,24 @@ class Session:
             self._asked = question
             self._end_progress()
             note(
-                f"{question} [Enter] " if at_terminal else f"{question} (no terminal: going on)",
+                f"{question} [{HINT}] " if at_terminal else f"{question} (no terminal: going on)",
                 end="" if at_terminal else "\n",
             )
         if at_terminal and not _line_waits():
             return
         self._asked = ""
         try:
-            if at_terminal:
-                input()
+            typed = input().strip() if at_terminal else ""
         except EOFError:
             self._controller.cancel()
-        else:
+            return
+        if not typed:
             self._controller.answer()
+            return
+        try:
+            by_hand(self._controller, typed)
+        except FraeseError as error:
+            note(str(error))
 
 
 def _line_waits() -> bool:

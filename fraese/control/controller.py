@@ -2,7 +2,8 @@
 
 Rule 1: everything runs in one thread, the one that calls ``run``. Only what is marked
         ``any_thread`` may be called from another.
-Rule 2: callbacks are called from that thread. They may call what is marked so, no more.
+Rule 2: callbacks are called from that thread. They may call what is marked so, no more; the break
+        key's also commands, while a job waits for an answer (``commands.py``, rule 2).
 Rule 3: a refused command leaves everything as it was.
 Rule 4: what is known is known in one place: positions in ``position``, contacts in ``switches``,
         the queue in ``MotionQueue``, the status in ``RunLoop``. Here are only orders and facts; the

@@ -274,10 +274,9 @@ class Jogs:
         left_out, self._left_out = self._left_out, None
         if left_out is None or not (gone := left_out + len(beyond) - 1):
             return ""
-        return (
-            f"{axis.name.upper()}{'+' if sign > 0 else '−'} was turned round:"
-            f" {gone} press{'es' if gone > 1 else ''} that had not begun left out."
-        )
+        sense = "+" if sign > 0 else "−"
+        many = "es that had not begun are" if gone > 1 else " that had not begun is"
+        return f"{axis.name.upper()}{sense} was turned round: {gone} press{many} left out."
 
     def _here(self, hand: _Hand) -> int:
         return self._controller.position.position_steps[hand.motor]

@@ -219,8 +219,31 @@ def test_a_question_at_a_terminal_waits_for_enter(
     part = program(tmp_path, "M0\nG0 X3\nM0\nG0 X6\nM2\n")
     code = Session(made, as_json=True).do(lambda controller: part.start(controller))
     assert code == 130
-    assert "line 1: go on? [Enter]" in capsys.readouterr().err
+    assert "line 1: go on? [Enter: go on; by hand: jog" in capsys.readouterr().err
     assert made.controller.state().position_mm[0] == 3
+
+
+def test_at_a_question_somebody_moves_by_hand(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    typed = ["jog Z 2", "zero X", "jump", "jog X1 Y1", "zero", "zero z", "move X1 F300", "lift", ""]
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("builtins.input", lambda: typed.pop(0) if typed else "")
+    made = assemble(configured())
+    part = program(tmp_path, "G0 X3 Z1\nT2 M6\nG0 X6\nM2\n")
+    code = Session(made, as_json=True).do(lambda controller: part.start(controller))
+    said = capsys.readouterr().err
+    assert code == 0
+    for sentence in (
+        "only the zero of Z can be set now, not that of X",
+        '"jump" is none of jog, move, zero and lift',
+        "A jog is one axis and a distance",
+        "Say which axis is to be zero here",
+        "Back to the work: ",
+    ):
+        assert sentence in said
+    # The tool stands 1 mm above what it touched at 3.
+    assert made.controller.state().position_mm == (6, 0, 4)
 
 
 def test_ctrl_c_at_a_question_cancels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -104,7 +104,7 @@ def test_the_opposite_key_brakes_at_once_and_then_goes_the_other_way() -> None:
     slice_steps = axis.to_steps(1)
     assert 0 < at[0] < furthest < at[0] + slice_steps
     assert hand.moved == (0, 0, 0), "the press in hand counts as made, the other one had not begun"
-    assert hand.told == ["X+ was turned round: 1 press that had not begun left out."]
+    assert hand.told == ["X+ was turned round: 1 press that had not begun is left out."]
     assert look(hand.plant).lost_steps == (0, 0, 0)
 
 

@@ -25,7 +25,7 @@ def test_the_opposite_key_turns_round_and_says_what_it_left_out() -> None:
             await b.press("5", "right", "right", "left")
             await b.settled()
             assert b.moved_steps == (0, 0, 0)
-            assert "1 press that had not begun left out" in b.text("#message")
+            assert "1 press that had not begun is left out" in b.text("#message")
             assert b.mill.look().lost_steps == (0, 0, 0)
 
     play(scene)
