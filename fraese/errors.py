@@ -25,6 +25,7 @@ Every alarm is of a kind, with a number: ``alarms.py``.
 """
 
 import re
+from collections.abc import Sequence
 from typing import ClassVar, Final
 
 from fraese import alarms
@@ -64,14 +65,52 @@ class ProgramError(UsageError):
         message: what is wrong and what would be right, without place.
         line: line number, 1-based; 0 where no line applies.
         file: name of the file as the user gave it; empty where there is none.
+        calls: where the subroutine was called in which it stands, file and line, the innermost
+            first.
     """
 
-    def __init__(self, message: str, line: int = 0, file: str = "") -> None:
+    def __init__(
+        self, message: str, line: int = 0, file: str = "", calls: Sequence[tuple[str, int]] = ()
+    ) -> None:
         self.message = message
         self.line = line
         self.file = file
-        place = ", ".join(part for part in (file, f"line {line}" if line else "") if part)
+        self.calls = tuple(calls)
+        place = _in_words(file, line) + _called(file, self.calls)
         super().__init__(f"{place}: {message}" if place else message)
+
+    def in_program(self, file: str) -> tuple[int, str]:
+        """Line and message as seen from the program itself: the line of its own that leads there.
+
+        Args:
+            file: name of the program's file.
+        """
+        if not self.calls:
+            elsewhere = f"{self.file}: " if self.file not in ("", file) else ""
+            return self.line, elsewhere + self.message
+        *between, (_, line) = self.calls
+        if self.file == file:
+            return self.line, f"{self.message}{_called(file, self.calls)}"
+        place = _in_words(self.file, self.line) + _called(self.file, between)
+        return line, f"{place}: {self.message}"
+
+
+#: More calls within each other are not told one by one.
+_ALL_CALLS: Final = 2
+
+
+def _in_words(file: str, line: int) -> str:
+    return ", ".join(part for part in (file, f"line {line}" if line else "") if part)
+
+
+def _called(file: str, calls: Sequence[tuple[str, int]]) -> str:
+    """Where the innermost and the outermost call stand; a file is named where it is another."""
+    said = []
+    for caller, line in (calls[0], calls[-1])[: len(calls)] if calls else ():
+        said.append(_in_words("" if caller == file else caller, line))
+        file = caller
+    between = " ... called in " if len(calls) > _ALL_CALLS else ", called in "
+    return f" (called in {between.join(said)})" if said else ""
 
 
 class LimitError(UsageError):

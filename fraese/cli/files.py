@@ -67,6 +67,7 @@ def _facts_as_dict(facts: Facts, machine: Machine) -> dict[str, object]:
         "ok": facts.ok,
         "errors": [{"line": e.line, "message": e.message} for e in facts.errors],
         "warnings": [{"line": w.line, "message": w.message} for w in facts.outside],
+        "notes": [{"line": n.line, "message": n.message} for n in facts.notes],
         "bounds_mm": bounds,
         "duration_s": round(facts.duration_s, 3),
         "length_mm": round(facts.length_mm, 3),
@@ -80,6 +81,8 @@ def _print_facts(file: Path, facts: Facts, machine: Machine) -> None:
         note(str(ProgramError(error.message, error.line, str(file))))
     for warning in facts.warnings:
         note(f"{file}, {warning}")
+    for told in facts.notes:
+        note(f"{file}, line {told.line}: {told.message}")
     if facts.low_mm is not None and facts.high_mm is not None:
         for axis, low, high in zip(machine.axes, facts.low_mm, facts.high_mm, strict=True):
             reach = axis.with_unit(f"{three_decimals(low):>10} to {three_decimals(high):>10}")

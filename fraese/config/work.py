@@ -1,5 +1,6 @@
 """How the machine is worked with: reference run, jogging, programs, planning, tools, log."""
 
+from pathlib import Path
 from typing import Literal
 
 from pydantic import Field, field_validator
@@ -100,6 +101,17 @@ class RunConfig(Section):
     retract_mm: NotNegative = Field(
         0, description="How far Z lifts the tool while a program is held, mm; 0: it stays."
     )
+    subroutine_folders: tuple[str, ...] = Field(
+        (),
+        description=(
+            "Where o<name> call looks for name.ngc behind the program's own folder, in this order;"
+            " whole paths, or from ~ on."
+        ),
+    )
+    ignored_m_codes: tuple[int, ...] = Field(
+        (),
+        description="Which of M100 to M199 programs may have without effect; others are refused.",
+    )
     list_unit: Literal["mm", "inch"] = Field(
         "mm", description="Unit of coordinate lists that do not say theirs."
     )
@@ -120,6 +132,27 @@ class RunConfig(Section):
         if isinstance(value, bool):
             return "every" if value else "never"
         return value
+
+    @field_validator("subroutine_folders")
+    @classmethod
+    def _are_whole(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        for folder in value:
+            if not (folder.startswith("~") or Path(folder).is_absolute()):
+                raise ValueError(f'"{folder[:80]}" is no whole path; begin it with / or ~')
+        return value
+
+    @field_validator("ignored_m_codes")
+    @classmethod
+    def _are_free(cls, value: tuple[int, ...]) -> tuple[int, ...]:
+        for code in value:
+            if not 100 <= code <= 199:
+                raise ValueError(f"M{code} is none of M100 to M199, which are the user's own")
+        return value
+
+    @property
+    def folders(self) -> tuple[Path, ...]:
+        """Subroutine folders as paths."""
+        return tuple(Path(folder).expanduser() for folder in self.subroutine_folders)
 
 
 class PlannerConfig(Section):

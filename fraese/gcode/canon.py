@@ -124,11 +124,11 @@ class Pause:
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """Text for the operator, parameters already put in."""
+    """Text for the operator, parameters already put in; a note is the interpreter's own."""
 
     line: int
     text: str
-    kind: Literal["msg", "debug", "print"]
+    kind: Literal["msg", "debug", "print", "note"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -64,7 +64,10 @@ class Interpreter:
         self._motion.at = coordinates.frame.to_work(setup.position_mm or coordinates.nothing)
         self._frames = Frames(self._motion, setup.tools)
         self._settings = Settings(self._motion, self._frames)
-        self._outputs = Outputs(self._motion, self._frames, self._settings)
+        self._notes = messages.Notes()
+        self._outputs = Outputs(
+            self._motion, self._frames, self._settings, self._notes, setup.ignored_m_codes
+        )
         # where the last move inside a loop or subroutine went
         self._last_to: Point | None = None
         self._cutter = Cutter(self._motion)
@@ -93,9 +96,25 @@ class Interpreter:
         try:
             yield from self._lines()
         except ProgramError as error:
-            now = self._flow.source
-            line = error.line or max(now.line, 1)
-            raise ProgramError(error.message, line, error.file or now.file) from error
+            raise self._with_place(error) from error
+
+    def _with_place(self, error: ProgramError) -> ProgramError:
+        now = self.refusal(error.message, error.line)
+        if error.file in ("", now.file):
+            return now
+        # Of a file that is not carried out yet: the line that asked for it calls it.
+        calls = (now.file, self.refusal("").line), *now.calls
+        return ProgramError(error.message, error.line, error.file, calls)
+
+    def refusal(self, message: str, line: int = 0) -> ProgramError:
+        """An error in the file that is carried out now, with where it was called.
+
+        Args:
+            message: what is wrong.
+            line: of that file; 0: the one that was read last.
+        """
+        now = self._flow.source
+        return ProgramError(message, line or max(now.line, 1), now.file, self._flow.calls())
 
     @property
     def modal(self) -> Modal:
@@ -207,6 +226,8 @@ class Interpreter:
             raise explained(self._text, error) from error
         if self._cutter.acts or "cutter" in block.codes:
             return self._beside(block)
+        if block.absent:
+            return self._in_order(block)
         given = block.words
         if block.codes or block.comment or "s" in given or "t" in given:
             return self._in_order(block)
@@ -225,6 +246,9 @@ class Interpreter:
     def _in_order(self, block: Block) -> Iterator[Move]:
         if block.comment:
             yield from self._message(block.comment)
+        for letter in block.absent.upper():
+            said = f"{letter}0 is passed over: this machine has no axis {letter}"
+            yield from self._notes.once(self._motion.line, said)
         present = {**block.words, **block.codes}
         for entry in ORDER:
             if entry in present:

@@ -10,6 +10,7 @@ import re
 from typing import Final, Literal
 
 from fraese.errors import ProgramError
+from fraese.gcode.canon import Message
 from fraese.gcode.parameters import Parameters
 
 Kind = Literal["msg", "debug", "print"]
@@ -23,6 +24,20 @@ _ACTIVE = re.compile(
 _ABORT = re.compile(r"\s*abort,(.*)", re.I | re.DOTALL)
 _PARTS = re.compile(r"%(d|f|\.[0-9]f)|#(?:<([^<>]+)>|([0-9]{1,9}))")
 _FORMATS: Final = {"d": ".0f", "f": ".4f"}
+
+
+class Notes:
+    """What the interpreter itself tells of a program, each sentence once."""
+
+    def __init__(self) -> None:
+        self._said: set[str] = set()
+
+    def once(self, line: int, text: str) -> tuple[Message, ...]:
+        """A message, or none where it was said already."""
+        if text in self._said:
+            return ()
+        self._said.add(text)
+        return (Message(line, text, "note"),)
 
 
 def read(comment: str, parameters: Parameters) -> tuple[Kind, str] | None:

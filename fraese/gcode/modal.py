@@ -71,6 +71,8 @@ M_REFUSED: Final[dict[int, str]] = {
     **dict.fromkeys(range(62, 69), "synchronised inputs and outputs are not supported"),
 }
 G_GROUP: Final = {code: group for group, codes in G_GROUPS.items() for code in codes}
+#: M-codes that a user may give a meaning.
+USER_CODES: Final = range(100, 200)
 M_GROUP: Final = {code: group for group, codes in M_GROUPS.items() for code in codes}
 
 # The order in which a line takes effect. Single letters are words, the rest groups.
@@ -85,6 +87,7 @@ ORDER: Final = (
     "spindle",
     "coolant",
     "override",
+    "user",
     "dwell",
     "plane",
     "units",
@@ -111,6 +114,8 @@ HOMES: Final = frozenset({280, 300})
 # Codes outside the motion group that use X, Y and Z for themselves.
 AXIS_USERS: Final = frozenset({100, 280, 300, 431, 520, 920})
 
+_USER: Final = tuple(1000 + code for code in USER_CODES)
+
 # word -> (codes that use it, how to say so)
 WORD_USERS: Final[dict[str, tuple[frozenset[int], str]]] = {
     "i": (ARCS | {100}, "G2, G3 or G10"),
@@ -118,10 +123,10 @@ WORD_USERS: Final[dict[str, tuple[frozenset[int], str]]] = {
     "k": (ARCS, "G2 or G3"),
     "r": (ARCS | CYCLES | {100}, "an arc, a canned cycle or G10"),
     "l": (CYCLES | CUTTER_ON | {100}, "a canned cycle, G41.1, G42.1 or G10"),
-    "q": (frozenset({100, 640, 730, 830, 1061}), "G10, G64, G73, G83 or M61"),
+    "q": (frozenset({100, 640, 730, 830, 1061, *_USER}), "G10, G64, G73, G83 or M61"),
     "h": (frozenset({430, 432}), "G43"),
     "p": (
-        ARCS | {40, 100, 640, 740, 820, 840, 860, 890, 1050, 1051, 1052, 1053},
+        ARCS | {40, 100, 640, 740, 820, 840, 860, 890, 1050, 1051, 1052, 1053, *_USER},
         "G2, G3, G4, G10, G64, G74, G82, G84, G86, G89 or M50 to M53",
     ),
     "$": (frozenset({1003, 1004, 1005, 1051, 970}), "M3, M4, M5, M51 or G97"),
@@ -160,7 +165,7 @@ def m_code(value: float) -> int:
     code = round(value)
     if abs(value - code) > 1e-4:
         raise ProgramError(f"M{value:g} is not a known code: M takes a whole number")
-    if code not in M_GROUP:
+    if code not in M_GROUP and code not in USER_CODES:
         if code in M_REFUSED:
             raise ProgramError(f"M{code} is refused: {M_REFUSED[code]}")
         raise ProgramError(f"M{code} is not a known code")
@@ -178,7 +183,7 @@ class Modal:
     arc_absolute: bool = False
     inverse_time: bool = False
     feed_mm_min: float = 0.0
-    # the F word as written, which a change of units leaves alone
+    # the F word as written, which a change of units leaves alone; in G93 what came of it
     feed_word: float = 0.0
     spindle: int = 0
     rev_min: float = 0.0

@@ -21,6 +21,7 @@ from fraese.gcode.canon import (
 )
 from fraese.gcode.expressions import whole
 from fraese.gcode.frames import Frames
+from fraese.gcode.messages import Notes
 from fraese.gcode.modal import M_OFFSET
 from fraese.gcode.motion import Motion
 from fraese.gcode.settings import Settings
@@ -35,11 +36,20 @@ _PATHS: Final = {610: PathMode.EXACT_PATH, 611: PathMode.EXACT_STOP, 640: PathMo
 class Outputs:
     """The codes that act on the machine without moving it."""
 
-    def __init__(self, motion: Motion, frames: Frames, settings: Settings) -> None:
+    def __init__(
+        self,
+        motion: Motion,
+        frames: Frames,
+        settings: Settings,
+        notes: Notes,
+        ignored: frozenset[int] = frozenset(),
+    ) -> None:
         self._motion = motion
         self._modal = motion.modal
         self._frames = frames
         self._settings = settings
+        self._notes = notes
+        self._ignored = ignored
         # whether the program has come to its end
         self.ended = False
 
@@ -52,6 +62,7 @@ class Outputs:
             "spindle": self._spindle,
             "coolant": self._coolant,
             "override": self._override,
+            "user": self._user,
             "path": self._path,
             "stop": self._stop,
         }
@@ -125,6 +136,15 @@ class Outputs:
             return ()
         self._modal.overrides = enabled
         return (Overrides(self._motion.line, enabled),)
+
+    def _user(self, block: Block, value: float) -> Moves:
+        code = int(value) - M_OFFSET
+        if code not in self._ignored:
+            raise ProgramError(
+                f"M{code} is a user's own code and has no meaning here; to pass it over, name"
+                f" {code} in run.ignored_m_codes"
+            )
+        return self._notes.once(self._motion.line, f"M{code} is passed over")
 
     def _path(self, block: Block, value: float) -> Moves:
         m = self._modal

@@ -25,11 +25,12 @@ MAX_CALLS: Final = 9
 
 @dataclass(slots=True)
 class Loop:
-    """A loop that is running; ``place`` is behind its head."""
+    """A loop that is running; ``place`` is its head's line, ``since`` a count of lines."""
 
     head: OWord
     place: int
     left: int = 0
+    since: int = 0
 
 
 class Frame:
@@ -65,6 +66,7 @@ class Flow:
         self.frame = Frame(source)
         # lines since the last motion, counted where a loop or subroutine is running
         self.idle_lines = 0
+        self._counted = 0
         self.value = 0.0
         self.value_returned = 0.0
         # whether M99 has ended the program itself
@@ -79,6 +81,10 @@ class Flow:
     def call_level(self) -> int:
         """How many subroutines are running inside each other."""
         return len(self._callers)
+
+    def calls(self) -> tuple[tuple[str, int], ...]:
+        """Where the running subroutines were called: file and line, the innermost first."""
+        return tuple((frame.source.file, frame.source.line) for frame in reversed(self._callers))
 
     def next(self) -> str | None:
         """The next line, or None at the end of the program.
@@ -98,10 +104,22 @@ class Flow:
 
     def _count(self) -> None:
         self.idle_lines += 1
+        self._counted += 1
         if self.idle_lines > self._max_idle_lines:
             raise ProgramError(
-                f"{self._max_idle_lines} lines went by without motion: this loop never ends"
+                f"{self._max_idle_lines} lines went by without motion: {self._endless()} never ends"
             )
+
+    def _endless(self) -> str:
+        """The innermost loop that ran for most of the time in which nothing moved."""
+        before = self._counted - self._max_idle_lines // 2
+        for frame in (self.frame, *reversed(self._callers)):
+            for name, loop in reversed(frame.loops.items()):
+                if loop.since <= before:
+                    file = frame.source.file
+                    place = f" of {file}" if file != self.source.file else ""
+                    return f"the loop o<{name}> that begins in line {loop.place}{place}"
+        return "this loop"
 
     def end_of_tape(self) -> None:
         """A percent sign ends the program; where none opened it, subprograms may follow.
@@ -211,7 +229,7 @@ class Flow:
             self._skip(word, "endrepeat")
 
     def _enter(self, word: OWord, left: int = 0) -> None:
-        self.frame.loops[word.name] = Loop(word, self.source.hold(), left)
+        self.frame.loops[word.name] = Loop(word, self.source.hold(), left, self._counted)
 
     def _leave(self, word: OWord) -> None:
         del self.frame.loops[word.name]

@@ -57,6 +57,8 @@ class Position:
         """X and Y from distance and angle; what is not given stays as it is."""
         if "x" in words or "y" in words:
             raise ProgramError("polar coordinates (@ and ^) cannot be mixed with X or Y")
+        if self.modal.plane != 17:
+            raise ProgramError("polar coordinates (@ and ^) are of the plane G17")
         first, second, _ = self.axes.plane(17, "@ or ^")
         to = list(self.at)
         x, y = to[first], to[second]
@@ -88,4 +90,8 @@ class Position:
         inverse = block.words.get("f")
         if inverse is None or inverse <= 0:
             raise ProgramError(f"{name(code)} needs its own F word above 0 while G93 is in force")
-        return max(way.length * inverse, LEAST_FEED * (1.0 if way.is_angle else modal.scale_mm))
+        unit = 1.0 if way.is_angle else modal.scale_mm
+        feed = max(way.length * inverse, LEAST_FEED * unit)
+        # What a program may ask for is the feed that came of it.
+        modal.feed_word = feed / unit
+        return feed

@@ -32,8 +32,8 @@ class Settings:
         """
         if value < 0:
             raise ProgramError("the F word must not be negative")
-        self._modal.feed_word = value
         if not self._modal.inverse_time:
+            self._modal.feed_word = value
             self._modal.feed_mm_min = value * self._modal.scale_mm
 
     def set(self, code: int, block: Block) -> None:
@@ -58,7 +58,9 @@ class Settings:
         if inverse_time != self._modal.inverse_time:
             self._modal.inverse_time = inverse_time
             # A number per minute is no feed, and a feed no number per minute.
-            self._modal.feed_mm_min = self._modal.feed_word = 0.0
+            self._modal.feed_mm_min = 0.0
+            if not inverse_time:
+                self._modal.feed_word = 0.0
 
     def _cancel(self, block: Block) -> None:
         if block.motion is None:

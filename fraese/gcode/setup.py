@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from fraese.gcode.text import lines_of, open_plain
+from fraese.gcode.text import lines_of, open_plain, require_inside
 from fraese.workframe import Point
 
 FileLines = Callable[[Path], Iterator[str] | None]
@@ -16,6 +16,7 @@ def lines_on_disk(path: Path) -> Iterator[str] | None:
     Raises:
         ProgramError: it cannot be read.
     """
+    require_inside(path)
     stream = open_plain(path)
     return None if stream is None else lines_of(stream, str(path))
 
@@ -52,10 +53,11 @@ class Setup:
         inches: start in G20 instead of G21.
         block_delete: whether lines that start with ``/`` are left out.
         file: name of the program for messages.
-        folders: where ``o<name> call`` looks for ``name.ngc``.
+        folders: where ``o<name> call`` looks for ``name.ngc``, one after the other.
         file_lines: the lines of such a file; None: there is none.
         max_idle_lines: how many lines a loop or subroutine may do without any motion before
             the program counts as one that never ends.
+        ignored_m_codes: which of M100 to M199 are passed over; the others are refused.
     """
 
     axes: str = "xyz"
@@ -70,3 +72,4 @@ class Setup:
     folders: tuple[Path, ...] = ()
     file_lines: FileLines = lines_on_disk
     max_idle_lines: int = 300_000
+    ignored_m_codes: frozenset[int] = frozenset()

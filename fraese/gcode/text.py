@@ -61,6 +61,17 @@ def _require_plain(mode: int, file: str) -> None:
         raise ProgramError("is a pipe or a device; a program is read from a plain file.", file=file)
 
 
+def require_inside(path: Path) -> None:
+    """See that a name in a folder is no link that leads out of it.
+
+    Raises:
+        ProgramError: it is.
+    """
+    folder = Path(os.path.realpath(path.parent))
+    if os.path.islink(path) and not Path(os.path.realpath(path)).is_relative_to(folder):
+        raise ProgramError("is a link that leads out of its folder; copy the file.", file=str(path))
+
+
 def read_lines(path: Path, file: str = "") -> Generator[str, None, None]:
     """Yield the lines of a file without their ends.
 

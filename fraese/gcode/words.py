@@ -26,9 +26,10 @@ _MARK: Final = "("
 AXES: Final = ALL | frozenset("@^")
 OFFSETS: Final = frozenset("ijk")
 # Letters of words that are no axes.
+ROTARY: Final = frozenset("abc")
 LETTERS: Final = frozenset("dfhijklpqrst@^$")
 # What is done once a line says it: two of them on one line may mean two things.
-_ONCE: Final = frozenset({"nonmodal", "stop", "tool_change", "state"})
+_ONCE: Final = frozenset({"nonmodal", "stop", "tool_change", "state", "user"})
 # G50 ends scaling, which is never on; with these it means something else.
 _SCALING: Final = AXES | {"s"}
 # With these G70 and G71 are no units.
@@ -40,7 +41,7 @@ PLAIN: Final = AXES | frozenset("fst")
 class Block:
     """A line that has been read, every expression in it already evaluated."""
 
-    __slots__ = ("assignments", "codes", "comment", "has_axes", "motion", "words")
+    __slots__ = ("absent", "assignments", "codes", "comment", "has_axes", "motion", "words")
 
     def __init__(self) -> None:
         self.words: dict[str, float] = {}
@@ -50,6 +51,8 @@ class Block:
         self.motion: int | None = None
         self.has_axes = False
         self.comment = ""
+        # rotary axes that the machine has not and that are told to be at zero
+        self.absent = ""
         self.assignments: list[tuple[int | str, float]] = []
 
 
@@ -169,7 +172,7 @@ class BlockReader:
 
     def _add_m(self, block: Block, value: float) -> None:
         code = modal.m_code(value)
-        group = modal.M_GROUP[code]
+        group = modal.M_GROUP.get(code, "user")
         before = block.codes.get(group)
         if before is not None and not _agree(before, code + M_OFFSET, group):
             raise ProgramError(_conflict(f"M{before - M_OFFSET}", f"M{code}"))
@@ -185,6 +188,9 @@ class BlockReader:
             raise ProgramError(f"there are two {letter.upper()} words on one line")
         elif letter in self._letters:
             block.words[letter] = value
+        elif letter in ROTARY and value == 0:
+            # It stands where it always stands.
+            block.absent += letter
         elif letter in ALL:
             self._axes.require(letter)
         else:
@@ -255,6 +261,11 @@ def complete(block: Block, motion: int | None) -> None:
 def _check_codes(block: Block) -> None:
     """Codes that are taken as what they most often mean, on a line that means something else."""
     codes, given = block.codes, block.words
+    if block.absent and codes.get("nonmodal") in AXIS_USERS and not block.has_axes:
+        raise ProgramError(
+            f"{modal.name(codes['nonmodal'])} with {block.absent[0].upper()} alone has nothing to"
+            " do on this machine, which has no such axis"
+        )
     if codes.get("units") in SAME and not _LATHE.isdisjoint(given):
         raise ProgramError(
             f"{modal.name(codes['units'])} is refused: with P or Q it is a lathe's cycle;"

@@ -32,6 +32,9 @@ _TWICE_UNITS: Final = 2 * _UNITS_PER_S
 #: An interval must fit 32 bits without sign: the slowest rate is a little under one tick a second.
 _LONGEST_Q8: Final = 0xFFFF_FFFF
 
+#: The same in ticks a second.
+SLOWEST_HZ: Final = _UNITS_PER_S / _LONGEST_Q8
+
 _new = tuple.__new__
 _sqrt = math.sqrt
 _ceil = math.ceil

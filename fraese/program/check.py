@@ -7,8 +7,9 @@ Rule 3: memory does not grow with the length of the file.
 """
 
 import math
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field
+from operator import sub
 from typing import Final
 
 from fraese.blocks import Block
@@ -19,6 +20,7 @@ from fraese.gcode.extents import arc_extent
 from fraese.machine import Millimetres
 from fraese.motor.seams import Report
 from fraese.planner.lines import planned_s
+from fraese.planner.ramps import SLOWEST_HZ
 from fraese.program.context import ProgramContext
 from fraese.program.source import ProgramSource
 from fraese.program.taken import Taken
@@ -52,6 +54,7 @@ class Facts:
         length_mm: way of the tool.
         lines: lines read.
         blocks: blocks planned; 0 if it was not planned.
+        notes: what is passed over in it.
     """
 
     errors: tuple[Complaint, ...]
@@ -62,6 +65,7 @@ class Facts:
     length_mm: float
     lines: int
     blocks: int
+    notes: tuple[Complaint, ...] = ()
 
     @classmethod
     def refused(cls, message: str) -> "Facts":
@@ -85,6 +89,7 @@ class Survey:
 
     Attributes:
         outside: where they leave the travel.
+        notes: what the interpreter tells of them.
         is_lost: one goes so far out that nothing more is to be planned.
     """
 
@@ -92,10 +97,16 @@ class Survey:
     source: ProgramSource
     length_mm: float = 0.0
     outside: list[Complaint] = field(default_factory=list)
+    notes: list[Complaint] = field(default_factory=list)
     is_lost: bool = False
 
     def __post_init__(self) -> None:
         self._at: Point = self.context.start_mm
+        self._told_of_feed = False
+        # From here on no feed is too slow, along whichever axis.
+        self._slow_mm_min = max(
+            60 * SLOWEST_HZ / float(axis.steps_per_mm) for axis in self.context.machine.axes
+        )
         self.low = [math.inf] * len(self._at)
         self.high = [-math.inf] * len(self._at)
 
@@ -110,6 +121,8 @@ class Survey:
                 return
             if type(move) in kinds:
                 self._take(move)
+            elif isinstance(move, canon.Message) and move.kind == "note":
+                self.notes.append(Complaint(*self.source.complaint(move.line, move.text)))
             facts = yield move
 
     def guard(self, moves: Moves, file: str) -> Moves:
@@ -143,6 +156,8 @@ class Survey:
             length_mm = 0.0 if way.is_angle else way.length
         self._at = move.to  # type: ignore[union-attr]
         self.length_mm += length_mm
+        if isinstance(move, canon.Feed | canon.Arc):
+            self._check_feed(move, tuple(map(sub, move.to, before)), length_mm)
         for i, before_mm in enumerate(before):
             if low[i] < self.low[i]:
                 self.low[i] = low[i]
@@ -153,6 +168,21 @@ class Survey:
                 self.high[i] = high[i]
                 if high[i] > before_mm:
                     self._check(i, before_mm, high[i], move.line)
+
+    def _check_feed(self, move: canon.Feed | canon.Arc, way: Sequence[float], mm: float) -> None:
+        """A feed below the slowest step is driven faster than it says: the first one is told."""
+        if move.feed_mm_min >= self._slow_mm_min or self._told_of_feed or mm <= 0:
+            return
+        axes = self.context.machine.axes
+        most = max(abs(by) * float(axis.steps_per_mm) for by, axis in zip(way, axes, strict=True))
+        least_mm_min = 60 * SLOWEST_HZ * mm / most if most else 0.0
+        if move.feed_mm_min < least_mm_min:
+            self._told_of_feed = True
+            told = (
+                f"F{move.feed_mm_min:g} is slower than the slowest step, one in"
+                f" {1 / SLOWEST_HZ:.2f} s: it is driven at {least_mm_min:.3g} mm/min"
+            )
+            self.notes.append(Complaint(*self.source.complaint(move.line, told)))
 
     def _check(self, index: int, from_mm: float, to_mm: float, line: int) -> None:
         """A new extreme: is it still inside?"""
@@ -166,7 +196,7 @@ class Survey:
             return
         said = why_not(axis, referenced, from_mm, to_mm, span_mm, self.source.frame)
         if said:
-            self.outside.append(Complaint(line, said))
+            self.outside.append(Complaint(*self.source.complaint(line, said)))
 
 
 def check_program(taken: Taken, context: ProgramContext, *, plan: bool = True) -> Facts:
@@ -192,7 +222,7 @@ def check_program(taken: Taken, context: ProgramContext, *, plan: bool = True) -
         for _ in moves:
             pass
     except ProgramError as error:
-        errors.append(Complaint(error.line, error.message))
+        errors.append(Complaint(*error.in_program(taken.main.file)))
     moved = survey.low[0] <= survey.high[0]
     return Facts(
         errors=tuple(errors),
@@ -203,6 +233,7 @@ def check_program(taken: Taken, context: ProgramContext, *, plan: bool = True) -
         length_mm=survey.length_mm,
         lines=source.lines_read,
         blocks=blocks,
+        notes=tuple(survey.notes),
     )
 
 

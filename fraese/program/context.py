@@ -88,7 +88,8 @@ class ProgramContext:
             tool=int(self.parameters.get(TOOL_NUMBER, 0.0)),
             block_delete=self.config.run.block_delete,
             file=taken.main.file,
-            folders=(taken.path.parent,),
+            folders=(taken.path.parent, *self.config.run.folders),
+            ignored_m_codes=frozenset(self.config.run.ignored_m_codes),
             file_lines=taken.lines,
         )
 

@@ -63,6 +63,10 @@ class ProgramSource:
         """The work frame in force behind the last line read."""
         return self._interpreter.frame
 
+    def complaint(self, line: int, message: str) -> tuple[int, str]:
+        """Line and message of what is wrong with a move just read, as seen from the program."""
+        return self._interpreter.refusal(message, line).in_program(self._setup.file)
+
     @property
     def text(self) -> str:
         """That line, of whichever file it is."""

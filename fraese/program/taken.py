@@ -11,6 +11,7 @@ from pathlib import Path
 
 from fraese.errors import ProgramError
 from fraese.gcode.reader import Kind, kind_of
+from fraese.gcode.text import require_inside
 from fraese.program.content import Content, is_still, take
 
 
@@ -43,6 +44,7 @@ class Taken:
             ProgramError: it cannot be read.
         """
         if path not in self.files:
+            require_inside(path)
             self.files[path] = take(path)
         content = self.files[path]
         return None if content is None else content.lines()

@@ -299,7 +299,7 @@ class Translation:
         return self._context.machine.to_mm(steps)
 
     def _message(self, move: canon.Message) -> Part:
-        self._say(move.text)
+        self._say(f"Line {move.line}: {move.text}." if move.kind == "note" else move.text)
         return None
         yield
 

@@ -322,3 +322,15 @@ def test_what_stands_where_a_configuration_would_is_never_taken_for_none(
     place.symlink_to("fraese.toml")
     with pytest.raises(ConfigError, match=r"Too many levels|is no plain file"):
         load()
+
+
+def test_subroutine_folders_are_whole_paths(tmp_path: Path) -> None:
+    config = from_table({"run": {"subroutine_folders": [str(tmp_path), "~/gcode"]}}, "file")
+    assert config.run.folders == (tmp_path, Path.home() / "gcode")
+    with pytest.raises(ConfigError, match='"subs" is no whole path'):
+        from_table({"run": {"subroutine_folders": ["subs"]}}, "file")
+
+
+def test_only_free_m_codes_can_be_ignored() -> None:
+    with pytest.raises(ConfigError, match="M62 is none of M100 to M199"):
+        from_table({"run": {"ignored_m_codes": [101, 62]}}, "file")
