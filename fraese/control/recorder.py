@@ -235,6 +235,7 @@ class JournalRecorder(Recorder):
             return False
         if self._queue.report.running and self._is_recent(_RUNNING_NS):
             return False
+        self._still_ns = None  # it is to move, however long it stood
         self._say_moving(more)
         return not self._is_threaded and holds(records.box, needed) and self._is_told()
 
@@ -243,8 +244,7 @@ class JournalRecorder(Recorder):
         left_ns = over_ns - self._now_ns()
         return not self._is_threaded or left_ns >= self._lease.seconds / 3 * _NS_PER_S
 
-    def _is_recent(self, within_ns: int) -> bool:
-        """The last record was asked for within this time."""
+    def _is_recent(self, within_ns: int) -> bool:  # since the last record was asked for
         return self._now_ns() - self._records.asked.at_ns < within_ns
 
     def _left_s(self) -> float:

@@ -365,3 +365,28 @@ def test_whatever_is_played_within_the_horizon_is_within_the_box(
                 at = tuple(a + b for a, b in zip(start, after(block, tick), strict=True))
                 assert (number == 0 and tick <= done) or box.holds(at)
         start = tuple(a + b for a, b in zip(start, block.steps, strict=True))
+
+
+@pytest.mark.parametrize("by_hand", [False, True])
+def test_who_waited_until_the_record_said_at_rest_moves_again(
+    tmp_path: Path, by_hand: bool
+) -> None:
+    """A question is answered after minutes: the job goes on, or somebody jogs first."""
+    made = assemble(configured(), state=tmp_path, clock="paced")
+    controller = made.controller
+    rested: list[bool] = []
+
+    def answer() -> None:
+        if controller.question and kept(tmp_path)["motion"] is None:
+            if by_hand and not rested:
+                controller.jog("z", 0.5)
+            else:
+                controller.answer()
+            rested.append(True)
+
+    controller.set_break_key(answer)
+    program(tmp_path, "G0 X0.5\nM0\nG0 X1\nM2\n").start(controller)
+    assert controller.run() is Status.OK, controller.state().message
+    assert rested
+    assert controller.state().position_mm == (1, 0, 0)
+    made.close()
