@@ -1,6 +1,8 @@
 """The app in terminals that nobody reads, that send nonsense, that are none, and that go away."""
 
+import asyncio
 import contextlib
+import gc
 import itertools
 import os
 import random
@@ -458,6 +460,30 @@ def test_a_refused_key_that_is_held_fills_neither_screen_nor_memory() -> None:
             shown = [notice.message for notice in b.app._notifications]
             assert 1 <= len(shown) <= 5
             assert "notice 19" in shown
+
+    play(scene)
+
+
+def test_a_key_that_is_held_and_refused_leaves_nothing_behind() -> None:
+    """As many objects after 1,500 presses as before; twenty minutes are 36,000."""
+
+    async def scene() -> None:
+        async with bench() as b:
+            b.mill.mill.place(0, 300 * 200 - 100)
+            await b.jog("right")
+
+            async def hold(presses: int) -> int:
+                for number in range(presses):
+                    b.app.post_message(Key("left", None))
+                    if number % 20 == 0:
+                        await asyncio.sleep(0)
+                await b.settled()
+                assert "Acknowledge" in b.text("#message")
+                gc.collect()
+                return len(gc.get_objects())
+
+            before = await hold(200)
+            assert await hold(1500) < before + 700
 
     play(scene)
 
