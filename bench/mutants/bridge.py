@@ -239,7 +239,7 @@ MUTANTS: Final = (
         "bridge/driver: one that moves with nothing to play is only not at standstill",
         "the end of a job is an error of the program itself",
         _B + "driver.py",
-        "if not (picture.stands or stood) and picture.account.queued:",
+        "if not (picture.stands or self._stood) and picture.account.queued:",
         "if not picture.stands:",
         _MACHINE,
     ),

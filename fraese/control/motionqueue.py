@@ -17,15 +17,16 @@ from dataclasses import replace
 from operator import add, sub
 from typing import Final, NamedTuple
 
+from fraese import alarms
 from fraese.anythread import any_thread
 from fraese.blocks import Block, remainder
 from fraese.control.bounds import Span
 from fraese.control.endswitches import EndSwitches
 from fraese.control.position import Position
 from fraese.control.recorder import Recorder
-from fraese.errors import PortError
+from fraese.errors import PortError, StateError
 from fraese.machine import Steps
-from fraese.motor.seams import Report, StepDriver
+from fraese.motor.seams import IdleLevel, Report, StepDriver
 from fraese.planner.lines import mm_per_tick, planned_s
 
 #: Of a place that is known from what was left of what made the steps,
@@ -115,6 +116,21 @@ class MotionQueue:
         """
         self._driver.flush()
         self.poll()
+
+    def idle(self, level: IdleLevel) -> None:
+        """Set the standstill current; the last report said that the motors stand.
+
+        Raises:
+            PortError: if they move by now: what makes the steps does not do what it is told.
+        """
+        try:
+            self._driver.idle(level)
+        except StateError as error:
+            raise PortError(
+                "The motors move, though they had come to rest and nothing was asked of them: they"
+                " were stopped; cut their power if they do not.",
+                alarms.BRIDGE_STUCK,
+            ) from error
 
     def push(self, block: Block, *, of_job: bool = True) -> float | None:
         """Give a block to the driver; its planned duration, s, or None: there is no room.

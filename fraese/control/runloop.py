@@ -168,7 +168,7 @@ class RunLoop:
         self._recorder.idle()
         if self._idle_at_ns is not None and self._clock.now_ns() >= self._idle_at_ns:
             self._idle_at_ns = None
-            self._driver.idle(IdleLevel(self._config.standstill.current))
+            self._queue.idle(IdleLevel(self._config.standstill.current))
             self._queue.poll()
 
     def start(

@@ -100,8 +100,8 @@ class BridgeDriver:
         self._mode = SwitchMode.STOP
         self._override_q8 = self._override_sent_q8 = Q8
         self._stopping = self._closed = False
-        #: Told to go on, and not looked at since.
-        self._resumed = False
+        #: As of the last report.
+        self._stood = True
         self._ledger = ledger
         self._picture = Picture(card, has_table=bool(facts.table), ledger=ledger)
         self._session: Session | None = None
@@ -141,7 +141,7 @@ class BridgeDriver:
         if self._session is None:
             self._require_open()
             self._search.look()
-        picture, self._resumed = self._picture, False
+        picture = self._picture
         with self._guarded() as session:
             if picture.stands or budget_s < 2 * _ANSWER_S:
                 self._look(session)
@@ -150,6 +150,7 @@ class BridgeDriver:
                 self._watch(session, min(left_s, _LOOK_S))
                 self._look(session)
                 self._see_to_start(session)
+        self._stood = not picture.runs
         return picture.report(self._capacity, self._outbox.room_blocks)
 
     @any_thread
@@ -171,7 +172,7 @@ class BridgeDriver:
     def resume(self) -> None:
         """Open the throttle again; not while braking for a watch that ends the run."""
         with self._guarded() as session:
-            self._resumed = True
+            self._stood = False
             self._confirm_shouts(session)
             session.command(c.KIND_RESUME)
 
@@ -316,11 +317,11 @@ class BridgeDriver:
         return (until_ns - self._clock.now_ns()) / _NS_PER_S
 
     def _require_standstill(self, session: Session, what: str) -> None:
-        picture, stood = self._picture, self._picture.stands and not self._resumed
+        picture = self._picture
         self._look(session)
-        if not (picture.stands or stood) and picture.account.queued:
+        if not (picture.stands or self._stood) and picture.account.queued:
             raise StateError(f"The motors run: {what} at standstill; brake or stop first.")
-        # It has nothing left to play, or stood and was not told to go on.
+        # It has nothing left to play, or was reported to stand, and not told to go on.
         session.ask_until(lambda: picture.stands)
 
     def _shout(self, byte: int) -> None:
