@@ -7,6 +7,7 @@ from bench.mutants import (
     assembly,
     bridge,
     control,
+    crashes,
     firmware,
     motor,
     planner,
@@ -25,4 +26,5 @@ MUTANTS: Final[tuple[Mutant, ...]] = (
     *program.MUTANTS,
     *assembly.MUTANTS,
     *app.MUTANTS,
+    *crashes.MUTANTS,
 )

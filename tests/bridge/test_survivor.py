@@ -1,15 +1,16 @@
 """A host that is killed, and what its device still knows: claim against the carriages."""
 
 import random
+import struct
 from pathlib import Path
 
 import pytest
 
 from fraese.errors import PortError
-from fraese.motor.bridge.codec import hello
+from fraese.motor.bridge.codec import Status, hello
 from fraese.motor.bridge.driver import BridgeDriver
 from fraese.motor.bridge.ledger import SIZE, FileLedger, book_in
-from fraese.motor.bridge.survivor import ask
+from fraese.motor.bridge.survivor import ask, words_of
 from fraese.motor.realtime.lastwords import LastWords
 from fraese.motor.seams import Ended
 from tests.bridge.device import reason_to_skip
@@ -142,6 +143,27 @@ def test_a_changed_byte_is_no_block_and_no_ledger(tmp_path: Path) -> None:
         assert (book.token, book.boot) == (TOKEN, BOOT)
         assert {book.entry(serial) for serial in range(89, 601)} <= {None, *entries}
     assert book_in(sound[:-1]) is None
+
+
+def test_an_answer_that_cannot_be_is_none(tmp_path: Path) -> None:
+    """More ticks than the block had, or phases that are not those of the count."""
+    book = book_in(written(tmp_path))
+    assert book is not None
+
+    def words(done: int, phases: bytes, session: int = 77) -> LastWords | None:
+        ack = struct.pack("<BHBBHBB", 1, session, 0, 0, 300, 0, 0)
+        fields = [ack, 0, 0, 1, 600, done, 0, 600, 0, 0xF8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 256]
+        return words_of(Status.parse(Status._FORMAT.pack(*fields, phases, 0)), book)
+
+    # Counts (600, 600, -1) where (5, -5, 0) had the phases (1, 2, 3) of 8.
+    right = bytes(((1 + 595) % 8, (2 + 605) % 8, (3 - 1) % 8, 0))
+    known = words(600, right)
+    assert known is not None
+    assert known.position_steps == (600, 600, -1)
+    assert words(600, bytes((right[0] ^ 1, *right[1:]))) is None
+    assert words(600, right, session=78) is None
+    # As many ticks too many as make no other phase.
+    assert words(600 + 8 * 600, right) is None
 
 
 def test_blocks_of_an_earlier_session_are_none(tmp_path: Path) -> None:

@@ -127,3 +127,13 @@ def test_without_a_crash_there_is_nothing_to_take(tmp_path: Path) -> None:
     made = machine(tmp_path)
     with pytest.raises(StateError, match="nothing to take"):
         take_as_left(made.controller)
+
+
+def test_nothing_is_taken_while_it_moves(tmp_path: Path) -> None:
+    crash(jogged(tmp_path))
+    again = machine(tmp_path)
+    again.controller.jog("x", -1)
+    assert again.controller.status is Status.RUN
+    with pytest.raises(StateError, match="The machine runs"):
+        take_as_left(again.controller)
+    assert again.controller.position.doubt is not None

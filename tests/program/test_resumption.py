@@ -1,0 +1,58 @@
+"""Going on with a program: what command line and app have in common."""
+
+from pathlib import Path
+
+import pytest
+
+from fraese.assembly import Plant, assemble
+from fraese.config import Config
+from fraese.control.position import Doubt
+from fraese.control.savedstate import IN_MOTION
+from fraese.control.state import Status
+from fraese.errors import StateError
+from fraese.program import Resumption, open_program
+from fraese.program.kept import KeptPrograms
+from tests.helpers import after_slices
+
+PART = "G21 G90 F600\nG1 X5\nG1 Y5\nG1 X0\nG1 Y0\nM2\n"
+
+
+def cut_short(folder: Path) -> tuple[Plant, KeptPrograms]:
+    """A machine whose program was stopped in the middle."""
+    made, kept = assemble(Config(), state=folder / "state"), KeptPrograms(folder / "state")
+    made.controller.home()
+    assert made.controller.run() is Status.OK
+    (folder / "part.ngc").write_text(PART)
+    part = open_program(folder / "part.ngc", kept=kept)
+    part.start(made.controller, part.check(made.controller))
+    after_slices(made.controller, 6, made.controller.cancel)
+    assert made.controller.run() is Status.CANCEL
+    made.controller.set_break_key(lambda: None)
+    return made, kept
+
+
+def test_it_ends_where_it_would_have(tmp_path: Path) -> None:
+    made, kept = cut_short(tmp_path)
+    Resumption.of(made.controller, kept).start(made.controller)
+    assert made.controller.run() is Status.OK
+    assert made.controller.state().position_mm == (0, 0, 0)
+
+
+def test_nothing_starts_on_a_machine_that_stands_otherwise_by_now(tmp_path: Path) -> None:
+    made, kept = cut_short(tmp_path)
+    shown = Resumption.of(made.controller, kept)
+    made.controller.jog("z", -1)
+    assert made.controller.run() is Status.OK
+    there = made.controller.state().position_mm
+    with pytest.raises(StateError, match="changed since it was shown how to go on"):
+        shown.start(made.controller)
+    assert made.controller.status is not Status.RUN
+    assert made.controller.state().position_mm == there
+
+
+def test_nothing_goes_on_where_the_place_is_in_doubt(tmp_path: Path) -> None:
+    """Also if all axes were referenced then, and a person has not said what it is worth."""
+    made, kept = cut_short(tmp_path)
+    made.controller.position.doubt = Doubt(IN_MOTION)
+    with pytest.raises(StateError, match="nothing has moved"):
+        Resumption.of(made.controller, kept)
