@@ -3,9 +3,11 @@
 Tests speak physics: jog, home, press a switch, look where the carriage is.
 """
 
+import contextlib
 import json
+import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,7 @@ from fraese.motor.seams import End
 from fraese.program import Program, open_program
 
 AXES = "xyz"
+NOBODY = 65534
 #: Built-in travel in steps, from switch to switch.
 TRAVEL_STEPS = (60_000, 40_000, 12_000)
 #: Built-in machine zero, as the carriages see it.
@@ -120,6 +123,26 @@ def keep(folder: Path, values: dict[str, Any]) -> None:
     journal = Journal(machine_file(folder, "simulation", ""))
     journal.read()
     journal.write(json.dumps(values).encode())
+
+
+@contextlib.contextmanager
+def as_nobody(folder: Path) -> Iterator[None]:
+    """Root may do everything: meanwhile this is somebody else, and the folder his.
+
+    What lies above it he may not look into: stand in it.
+    """
+    if os.geteuid():
+        yield
+        return
+    for each in (folder, *folder.rglob("*")):
+        os.chown(each, NOBODY, NOBODY)
+    os.setegid(NOBODY)
+    os.seteuid(NOBODY)
+    try:
+        yield
+    finally:
+        os.seteuid(0)
+        os.setegid(0)
 
 
 def after_slices(controller: Controller, number: int, *actions: Callable[[], object]) -> list[int]:

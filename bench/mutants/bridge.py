@@ -236,11 +236,11 @@ MUTANTS: Final = (
         _MACHINE,
     ),
     Mutant(
-        "bridge/driver: one that moves with nothing to play is only not at standstill",
+        "control/runloop: motors that move on after they had come to rest",
         "the end of a job is an error of the program itself",
-        _B + "driver.py",
-        "if not (picture.stands or self._stood) and picture.account.queued:",
-        "if not picture.stands:",
+        "fraese/control/runloop.py",
+        "            self._queue.idle(IdleLevel(",
+        "            self._driver.idle(IdleLevel(",
         _MACHINE,
     ),
 )

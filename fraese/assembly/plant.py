@@ -169,6 +169,9 @@ def _what_is_kept(
         else:
             state, forgotten = keeping.load(to_write=not at_desk)
             notes += forgotten
+    if state is not None and holder is not None:
+        # Its program runs, and was not cut short.
+        state = state.model_copy(update={"job": None})
     is_driven = holder is not None
     return _Kept(None if at_desk else keeping, state, notes, at_desk, is_driven)
 

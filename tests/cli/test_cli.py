@@ -1,7 +1,6 @@
 """The command line: exit codes, one sentence for whatever is wrong, and the machine unmoved."""
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +9,11 @@ from typer.testing import CliRunner, Result
 
 from fraese.assembly.keeping import Keeping
 from fraese.cli import app
+from fraese.config.file import load
 from fraese.control.savedstate import SavedState
-from tests.helpers import kept
+from fraese.errors import ConfigError, ProgramError
+from fraese.program import open_program
+from tests.helpers import as_nobody, kept
 
 
 class Shop:
@@ -397,11 +399,17 @@ def test_help_is_there_for_every_command(shop: Shop) -> None:
         assert "Usage" in result.stdout
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="everything is readable for the superuser")
-def test_a_file_that_may_not_be_read(shop: Shop) -> None:
-    path = shop.file("G0 X1\n")
-    path.chmod(0)
-    assert shop.run("run", path).exit_code == 2
+def test_a_file_that_may_not_be_read(shop: Shop, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A program; and a configuration, which is not silently none."""
+    path, config = shop.file("G0 X1\n"), shop.file("", "fraese.toml")
+    monkeypatch.chdir(path.parent)
+    for each in (path, config):
+        each.chmod(0)
+    with as_nobody(path.parent):
+        with pytest.raises(ProgramError, match="Permission denied"):
+            open_program(Path(path.name))
+        with pytest.raises(ConfigError, match="Permission denied"):
+            load(None)
 
 
 def test_the_result_says_what_makes_the_work_coordinates(shop: Shop) -> None:

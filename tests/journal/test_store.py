@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from fraese.errors import ConfigError
 from fraese.journal import MOST_BYTES, Journal, files, store
 from fraese.journal.pages import PAGE, SLOT, Condition, blank_slot, read_slot, record
+from tests.helpers import as_nobody
 
 
 def told(path: Path) -> tuple[bytes, bool] | None:
@@ -288,14 +289,25 @@ def test_what_cannot_be_written_says_so_and_holds(
     assert told(path) == (b"third", True)
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
-def test_a_folder_that_is_read_only_after_the_start_does_not_hinder_it(path: Path) -> None:
-    journal = Journal(path)
-    journal.write(b"first")
-    path.parent.chmod(0o500)
-    journal.write(b"second")
-    path.parent.chmod(0o700)
-    assert told(path) == (b"second", True)
+def test_a_folder_that_is_read_only_after_the_start_does_not_hinder_it(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(path.parent)
+    with as_nobody(path.parent):
+        journal = Journal(Path(path.name))
+        journal.write(b"first")
+        Path().chmod(0o500)
+        journal.write(b"second")
+        with pytest.raises(PermissionError):
+            Path("another").touch()
+        # Nor whoever comes then; but what must be replaced cannot be.
+        again = Journal(Path(path.name))
+        again.read()
+        again.write(b"third")
+        with pytest.raises(ConfigError, match="the state cannot be written: Permission denied"):
+            Journal(Path("new.journal")).write(b"first")
+        Path().chmod(0o700)
+    assert told(path) == (b"third", True)
 
 
 @pytest.mark.parametrize("umask", [0o000, 0o022, 0o777])

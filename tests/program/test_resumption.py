@@ -56,3 +56,17 @@ def test_nothing_goes_on_where_the_place_is_in_doubt(tmp_path: Path) -> None:
     made.controller.position.doubt = Doubt(IN_MOTION)
     with pytest.raises(StateError, match="nothing has moved"):
         Resumption.of(made.controller, kept)
+
+
+def test_whoever_looks_at_a_machine_that_is_driven_is_told_of_no_program_to_go_on_with(
+    tmp_path: Path,
+) -> None:
+    """It may run at this moment."""
+    made, _ = cut_short(tmp_path)
+    made.controller.idle(2.0)
+    looked = assemble(Config(), state=tmp_path / "state", at_desk=True)
+    assert "is driven by" in looked.notes[0]
+    assert looked.controller.keep().job is None
+    made.close()
+    again = assemble(Config(), state=tmp_path / "state", at_desk=True)
+    assert again.controller.keep().job is not None

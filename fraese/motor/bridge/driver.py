@@ -100,8 +100,6 @@ class BridgeDriver:
         self._mode = SwitchMode.STOP
         self._override_q8 = self._override_sent_q8 = Q8
         self._stopping = self._closed = False
-        #: As of the last report.
-        self._stood = True
         self._ledger = ledger
         self._picture = Picture(card, has_table=bool(facts.table), ledger=ledger)
         self._session: Session | None = None
@@ -150,7 +148,6 @@ class BridgeDriver:
                 self._watch(session, min(left_s, _LOOK_S))
                 self._look(session)
                 self._see_to_start(session)
-        self._stood = not picture.runs
         return picture.report(self._capacity, self._outbox.room_blocks)
 
     @any_thread
@@ -172,7 +169,6 @@ class BridgeDriver:
     def resume(self) -> None:
         """Open the throttle again; not while braking for a watch that ends the run."""
         with self._guarded() as session:
-            self._stood = False
             self._confirm_shouts(session)
             session.command(c.KIND_RESUME)
 
@@ -317,12 +313,9 @@ class BridgeDriver:
         return (until_ns - self._clock.now_ns()) / _NS_PER_S
 
     def _require_standstill(self, session: Session, what: str) -> None:
-        picture = self._picture
         self._look(session)
-        if not (picture.stands or self._stood) and picture.account.queued:
+        if not self._picture.stands:
             raise StateError(f"The motors run: {what} at standstill; brake or stop first.")
-        # It has nothing left to play, or was reported to stand, and not told to go on.
-        session.ask_until(lambda: picture.stands)
 
     def _shout(self, byte: int) -> None:
         session = self._session
