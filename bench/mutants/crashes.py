@@ -307,22 +307,6 @@ MUTANTS: Final = (
         ("tests/journal/test_names.py",),
     ),
     Mutant(
-        "control/bounds: no room for what comes next",
-        "after a crash the place is beyond the bounds that are claimed",
-        _C + "bounds.py",
-        "    rooms = [int(rate * min(share, 1.0) * margin_s) + 1 for rate in max_rates_hz]\n",
-        "    rooms = [1 for rate in max_rates_hz]\n",
-        ("tests/control/test_recorder.py",),
-    ),
-    Mutant(
-        "control/bounds: a tick is as long as planned",
-        "after a crash the place is a tick beyond the bounds",
-        _C + "bounds.py",
-        "int(max(left_s, 0.0) * block.top_rate_q8() / Q8) + 2",
-        "int(max(left_s, 0.0) * block.top_rate_q8() / Q8) - 2",
-        ("tests/control/test_recorder.py",),
-    ),
-    Mutant(
         "earlyterminal: a signal leaves the terminal taken",
         "a shell that shows nothing of what is typed",
         "fraese/earlyterminal.py",
