@@ -29,11 +29,14 @@ from fraese.cli.shared import ConfigOption, Drive, FreshOption, StateOption, Tra
 from fraese.config.edit import FileWriter
 from fraese.control.asleft import left_by_crash
 from fraese.errors import FraeseError, UsageError
-from fraese.program import Resumption, open_program
+from fraese.program import ByHand, Resumption, open_program
 from fraese.program.kept import KeptPrograms
 
 if TYPE_CHECKING:
     from fraese.ui.app import FraeseApp
+
+#: In the state folder: what was typed in the app.
+_TYPED_LINES = "typed-lines"
 
 app = typer.Typer(
     name="fraese",
@@ -111,6 +114,8 @@ def _make_app(
         hand=plant.press if plant.is_simulated else None,
         leaving=leaving,
         writer=writer,
+        tools=ByHand(),
+        history=kept.state_folder / _TYPED_LINES,
     )
 
 

@@ -32,9 +32,13 @@ class KeptPrograms:
 
     Args:
         folder: the state folder.
+
+    Attributes:
+        state_folder: likewise.
     """
 
     def __init__(self, folder: Path) -> None:
+        self.state_folder = folder
         self._folder = folder / FOLDER
 
     def keep(self, taken: Taken) -> None:

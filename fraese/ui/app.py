@@ -35,7 +35,9 @@ from fraese.ui.dialogs.page import LivePage, Page
 from fraese.ui.dialogs.switches import Hand
 from fraese.ui.eventlog import EventLog, Kind
 from fraese.ui.fingers import Fingers
+from fraese.ui.handtools import HandTools, NoTools
 from fraese.ui.keys import PALETTE, STOP_BYTE_KEY, STOP_KEYS, Area, KeyTable
+from fraese.ui.linehistory import LineHistory
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.messages import Alarmed, Noted, Refused
 from fraese.ui.programs import OpenProgram, ProgramDesk, Resume, nothing_is_kept
@@ -72,6 +74,8 @@ class FraeseApp(ViewedApp):
         leaving: told, from any thread, that the app begins to leave, and with which exit code.
         writer: writes the configuration file; None: there is none to write.
         views: the table of views; the first is there at the start.
+        tools: who knows the language.
+        history: where typed lines are kept; None: nowhere.
 
     Attributes:
         link: to the machine.
@@ -95,6 +99,8 @@ class FraeseApp(ViewedApp):
         leaving: Callable[[int], object] | None = None,
         writer: Writer | None = None,
         views: Mapping[str, type[View]] = VIEWS,
+        tools: HandTools | None = None,
+        history: Path | None = None,
     ) -> None:
         self.link = MachineLink(controller, self.post_message)
         self._early_stop = EarlyStop(STOP_KEYS, self.link.brake_or_stop)
@@ -124,7 +130,7 @@ class FraeseApp(ViewedApp):
             views,
             Desk(
                 self.link, self._keys, self._repeats, self._programs, machine_name, hand,
-                self._events, writer,
+                self._events, tools or NoTools(), LineHistory(history), writer,
             ),
         )  # fmt: skip
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Final
 
-from fraese.ui.keyrows import frame
+from fraese.ui.keyrows import byhand, frame
 from fraese.ui.keyrows.calibrate import CALIBRATE, CALIBRATE_DIALOGS
 from fraese.ui.keyrows.dialogs import AFTER_AXES, BEFORE_AXES
 from fraese.ui.keyrows.row import Area as Area
@@ -309,6 +309,7 @@ class KeyTable:
             *self.listed,
             *self.views.values(),
             *frame.AROUND,
+            *byhand.BY_HAND,
             *_AFTERWARDS,
             *_OVERRIDES,
             *steps,
@@ -317,7 +318,9 @@ class KeyTable:
             *frame.LOG,
         )
         boxes = (_choose(axis) for axis in shape.axes)
-        self.rows = (*self.commands, *BEFORE_AXES, *boxes, *AFTER_AXES, *CALIBRATE_DIALOGS)
+        self.rows = (
+            *self.commands, *byhand.DIALOGS, *BEFORE_AXES, *boxes, *AFTER_AXES, *CALIBRATE_DIALOGS,
+        )  # fmt: skip
         self._step_word = shape.step_word
 
     def of(self, *areas: Area) -> Iterable[Row]:

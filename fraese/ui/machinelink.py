@@ -8,7 +8,7 @@ Rule 2: stop and hold do not wait in line behind anything.
 Rule 3: the latest state wins; alarms and refusals are messages of their own, each is shown.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 from textual.message import Message
 
@@ -181,24 +181,6 @@ class MachineLink:
     def jogs_waiting(self) -> tuple[tuple[str, int], ...]:
         """Names of axes, and how many presses of their jog keys wait, signed."""
         return self._jogger.waiting
-
-    def go_to(
-        self,
-        targets: Mapping[str, float],
-        *,
-        relative: bool,
-        machine_coordinates: bool,
-        feed_mm_min: float | None,
-    ) -> bool:
-        """A straight line; see ``Controller.move_to``."""
-        return self.order(
-            lambda: self._controller.move_to(
-                targets,
-                relative=relative,
-                machine_coordinates=machine_coordinates,
-                feed_mm_min=feed_mm_min,
-            )
-        )
 
     def reference(self, axes: Sequence[str], *, measure: bool) -> bool:
         """Run to the end switches."""

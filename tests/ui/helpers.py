@@ -23,6 +23,7 @@ from fraese.errors import ProgramError
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import End
 from fraese.planner.lines import plan_line
+from fraese.program import ByHand
 from fraese.ui import FraeseApp
 from fraese.ui.views.machine import MachineView
 from fraese.ui.widgets.fact import Fact
@@ -194,6 +195,7 @@ async def bench(
     """The app in a terminal of this size. Where a second is a second, X is very long."""
     plant = assemble(config or (LONG if clock == "paced" else Config()), clock=clock)
     options.setdefault("open_program", open_nothing)
+    options.setdefault("tools", ByHand())
     app = FraeseApp(plant.controller, machine_name="simulated mill", **options)
     async with app.run_test(size=size, notifications=notifications) as pilot:
         yield Bench(app, plant, pilot)

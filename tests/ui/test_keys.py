@@ -92,6 +92,8 @@ def test_only_the_key_table_names_keys(path: Path) -> None:
     found = keys_named_in(path.read_text("utf-8"))
     if path.name == "bindings.py":  # the one place where rows become bindings
         found = [name for name in found if name != "Binding"]
+    if path.name == "pastes.py":  # what is pasted is text: these two stand for white space
+        found = [name for name in found if name not in ("enter", "tab")]
     assert found == []
 
 

@@ -56,6 +56,8 @@ def test_a_second_view_is_one_row_with_its_own_keys() -> None:
             await b.show_view("move")
             assert b.app.view is first
             await b.press("p")
+            assert b.app.screen is not first, "there it is another command"
+            await b.press("escape")
             await b.jog("right")
             assert (second.presses, b.moved_steps) == (2, (400, 0, 0))
 

@@ -9,7 +9,7 @@ from textual.widgets import Button, Checkbox, Input, RadioButton
 
 from fraese.control.state import MachineState
 from fraese.ui.dialogs.page import LivePage
-from fraese.ui.widgets.fact import Fact
+from fraese.ui.widgets.fact import Fact, Flowing
 
 R = TypeVar("R")
 
@@ -52,7 +52,7 @@ class Dialog(LivePage[R]):
         with Vertical(classes="dialog"):
             yield Fact(self.HEADING, classes="dialog-title")
             yield from self.inner()
-            yield Fact("", id="complaint")
+            yield Flowing("", id="complaint")
             with Horizontal(classes="buttons"):
                 yield Button(self.YES, variant="primary", id="yes", compact=True)
                 yield from self.also()

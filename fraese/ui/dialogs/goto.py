@@ -4,18 +4,17 @@ from dataclasses import dataclass
 from enum import Enum
 
 from textual.app import ComposeResult
-from textual.widgets import Input, RadioButton, RadioSet
+from textual.widgets import RadioButton, RadioSet
 
 from fraese.axiswords import Target, target
-from fraese.errors import UsageError
-from fraese.ui.dialogs.dialog import Choice, Dialog
+from fraese.ui.dialogs.dialog import Choice
+from fraese.ui.dialogs.line import Command, LineDialog
 from fraese.ui.keys import Area, KeyTable
+from fraese.ui.machinelink import MachineLink
 from fraese.ui.shape import Shape
 from fraese.ui.widgets.fact import Fact
 
 _NUMBERS = ("10", "5", "-1", "90")
-#: Of all axes, with every digit that counts.
-_LONGEST = 500
 
 
 class From(Enum):
@@ -43,12 +42,12 @@ def example(shape: Shape) -> str:
     return f"{words} F300   ({', '.join((*shape.units, 'mm/min'))})"
 
 
-class GoToDialog(Dialog[GoTo]):
-    """A position as words.
+class GoToDialog(LineDialog):
+    """A position as words; where it cannot go is said here, and can be mended.
 
     Args:
         keys: the table.
-        shape: which axes there are.
+        link: to the machine.
         last: what was asked for the time before, if anything.
     """
 
@@ -56,15 +55,15 @@ class GoToDialog(Dialog[GoTo]):
     HEADING = "Go to"
     YES = "Go"
 
-    def __init__(self, keys: KeyTable, shape: Shape, last: GoTo | None) -> None:
-        super().__init__(keys)
-        self._shape = shape
-        self._text = last.text if last else ""
+    def __init__(self, keys: KeyTable, link: MachineLink, last: GoTo | None) -> None:
+        super().__init__(keys, link, last.text if last else "", example(link.shape))
         self._counted_from = last.counted_from if last else From.WORK
+        #: What was begun.
+        self.wanted = last
 
     def inner(self) -> ComposeResult:
         """One input, one choice."""
-        yield Input(self._text, placeholder=example(self._shape), id="target", max_length=_LONGEST)
+        yield from super().inner()
         yield Fact("counted from", classes="label")
         with RadioSet(id="counted-from"):
             for choice in From:
@@ -76,13 +75,13 @@ class GoToDialog(Dialog[GoTo]):
         at = next(index for index, button in enumerate(buttons) if button.value)
         buttons[(at + by) % len(buttons)].value = True
 
-    def action_accept(self) -> None:
+    def command(self, line: str) -> Command:
         """Read the words."""
-        text = self.query_one("#target", Input).value
-        chosen = self.query_one(RadioSet).pressed_index
-        try:
-            there = target(text, self._shape.names)
-        except UsageError as error:
-            self.complain(str(error))
-            return
-        self.dismiss(GoTo(there, list(From)[chosen], text))
+        chosen = list(From)[self.query_one(RadioSet).pressed_index]
+        self.wanted = wanted = GoTo(target(line, self.link.shape.names), chosen, line)
+        return lambda controller: controller.move_to(
+            wanted.target.targets_mm,
+            relative=chosen is From.HERE,
+            machine_coordinates=chosen is From.MACHINE,
+            feed_mm_min=wanted.target.feed_mm_min,
+        )

@@ -18,13 +18,13 @@ from fraese.control.controller import Controller
 from fraese.control.state import MachineState
 from fraese.errors import FraeseError, StateError
 from fraese.ui.dialogs.confirm import ConfirmDialog
-from fraese.ui.dialogs.goto import From, GoTo, GoToDialog
+from fraese.ui.dialogs.goto import GoTo, GoToDialog
 from fraese.ui.dialogs.open import OpenDialog
 from fraese.ui.dialogs.reference import Reference, ReferenceDialog
 from fraese.ui.dialogs.switches import SwitchPage
 from fraese.ui.keys import Area, said
 from fraese.ui.programs import Facts, Look, Program, in_words
-from fraese.ui.views.afterfaults import AfterFaults
+from fraese.ui.views.byhand import ByHand
 from fraese.ui.views.view import BUSY, Desk
 from fraese.ui.widgets.commands import CommandList
 from fraese.ui.widgets.fact import Fact, Flowing
@@ -40,7 +40,7 @@ _WORKSPACE: Final = Size(120, 40)
 _MANY_AXES: Final = 4
 
 
-class MachineView(AfterFaults):
+class MachineView(ByHand):
     """Position, status, commands and path; jogs, goes, references, zeroes, runs programs."""
 
     AREA = Area.MACHINE
@@ -106,8 +106,9 @@ class MachineView(AfterFaults):
         self._position.show(state)
         self._show_job()
         if self._path.display:
-            in_program = state.job is not None and state.job.lines > 0
-            self._path.mark(state.job.line if state.job and in_program else 0)
+            program, job = self.desk.programs.program, state.job
+            is_its = program is not None and job is not None and job.name == program.name
+            self._path.mark(job.line if job is not None and is_its else 0)
 
     def _show_job(self) -> None:
         self._job.show_job(self.state, self.desk.link.jogs_waiting)
@@ -148,20 +149,13 @@ class MachineView(AfterFaults):
 
     def action_go_to(self) -> None:
         """Ask where to."""
-        desk = self.desk
-        self.app.push_screen(GoToDialog(desk.keys, desk.link.shape, self._last_go_to), self._go_to)
+        dialog = GoToDialog(self.desk.keys, self.desk.link, self._last_go_to)
 
-    def _go_to(self, wanted: GoTo | None) -> None:
-        if wanted is None:
-            return
-        self._last_go_to = wanted
-        taken = self.desk.link.go_to(
-            wanted.target.targets_mm,
-            relative=wanted.counted_from is From.HERE,
-            machine_coordinates=wanted.counted_from is From.MACHINE,
-            feed_mm_min=wanted.target.feed_mm_min,
-        )
-        self.expect(taken)
+        def gone(line: str | None) -> None:
+            if line is not None:
+                self._last_go_to = dialog.wanted
+
+        self.app.push_screen(dialog, gone)
 
     def action_reference(self) -> None:
         """Ask which axes."""

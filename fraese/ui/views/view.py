@@ -23,7 +23,9 @@ from fraese.ui.bindings import bind
 from fraese.ui.calibrating import Writer
 from fraese.ui.dialogs.switches import Hand
 from fraese.ui.eventlog import EventLog, Kind
+from fraese.ui.handtools import HandTools
 from fraese.ui.keys import Area, KeyTable, said
+from fraese.ui.linehistory import LineHistory
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.programs import ProgramDesk
 from fraese.ui.themes import DARK, LIGHT
@@ -54,6 +56,8 @@ class Desk:
         machine_name: such as "simulated mill"; may be empty.
         hand: presses (True) and lets go of an end switch where the machine is simulated.
         events: what has happened.
+        tools: who knows the language.
+        history: lines that were typed.
         writer: writes the configuration file; None: there is none to write.
     """
 
@@ -64,6 +68,8 @@ class Desk:
     machine_name: str
     hand: Hand | None
     events: EventLog
+    tools: HandTools
+    history: LineHistory
     writer: Writer | None = None
 
 

@@ -1,0 +1,23 @@
+"""What a person does by hand and the language does for him: lines that are typed, and probing."""
+
+from collections.abc import Mapping, Sequence
+
+from fraese.control.controller import Controller
+from fraese.program.probing import cycles_for, probe
+from fraese.program.typed import run_text
+
+
+class ByHand:
+    """Handed to who has a keyboard and knows no language."""
+
+    def typed(self, controller: Controller, text: str) -> None:
+        """Start lines of G-code; see ``run_text``."""
+        run_text(controller, text)
+
+    def probe(self, controller: Controller, name: str, values: Mapping[str, float]) -> None:
+        """Start a probing cycle; see ``probing.probe``."""
+        probe(controller, name, values)
+
+    def cycles(self, axes: Sequence[str]) -> tuple[str, ...]:
+        """Names of the cycles for these axes."""
+        return cycles_for(axes)

@@ -1,0 +1,211 @@
+"""Lines of Move: G-code and places, the present position, work offsets, probing."""
+
+import re
+from collections.abc import Sequence
+from typing import Final
+
+from textual.app import ComposeResult
+
+from fraese.axiswords import axis_words, target
+from fraese.control.controller import Controller
+from fraese.control.workcommands import select_system, store_system, systems
+from fraese.errors import UsageError
+from fraese.ui.dialogs.line import Command, LineDialog
+from fraese.ui.handtools import HandTools
+from fraese.ui.keys import Area, KeyTable
+from fraese.ui.linehistory import LineHistory
+from fraese.ui.machinelink import MachineLink
+from fraese.ui.widgets.fact import Fact, Lines
+
+_HALF: Final = re.compile(r"([a-z])\s*/\s*2", re.IGNORECASE)
+_VALUE: Final = re.compile(r"([a-z]+)\s*=?\s*(\d+(?:[.,]\d+)?)\s*", re.IGNORECASE)
+
+
+class TypedDialog(LineDialog):
+    """G-code, or a place to go to; it stays open, and goes back to what was typed before."""
+
+    AREA = Area.TYPED
+    HEADING = "Type a line: G-code, or a place in work coordinates"
+    YES = "Do it"
+
+    def __init__(
+        self, keys: KeyTable, link: MachineLink, tools: HandTools, history: LineHistory
+    ) -> None:
+        super().__init__(keys, link, example="X10 Y5   or   G1 X10 F300   or   G55")
+        self._tools = tools
+        self._history = history
+
+    def command(self, line: str) -> Command:
+        """A place, or a line of the language."""
+        if not line:
+            raise UsageError("Type a place such as X10 Y5, or a line of G-code.")
+        try:
+            there = target(line, self.link.shape.names)
+        except UsageError:
+            return lambda controller: self._tools.typed(controller, line)
+        return lambda controller: controller.move_to(
+            there.targets_mm, feed_mm_min=there.feed_mm_min
+        )
+
+    def taken(self, line: str) -> None:
+        """The next one."""
+        self._history.add(line)
+        self.put("")
+
+    def action_history(self, by: int) -> None:
+        """What was typed before."""
+        self.put(self._history.back(by))
+
+
+class SetDialog(LineDialog):
+    """What the present position is to be: zero, half, or the thickness of a plate."""
+
+    AREA = Area.SET
+    HEADING = "The present position is to be"
+    YES = "Set"
+
+    def __init__(self, keys: KeyTable, link: MachineLink) -> None:
+        super().__init__(keys, link, example="X0 Y0   or   Z12.5 (on a plate)   or   X/2 (half)")
+
+    def command(self, line: str) -> Command:
+        """Coordinates for some axes."""
+        halves = {name.lower() for name in _HALF.findall(line)}
+        rest = _HALF.sub("", line).strip()
+        names = self.link.shape.names
+        values = axis_words(rest, names) if rest or not halves else {}
+        strange = sorted(halves - set(names))
+        if strange:
+            raise UsageError(f"There is no axis {strange[0].upper()}.")
+
+        def change(controller: Controller) -> None:
+            state = controller.state()
+            wanted = dict(values)
+            wanted |= {name: state.work_mm[names.index(name)] / 2 for name in halves}
+            for name, value in wanted.items():
+                controller.set_zero((name,), value)
+
+        return change
+
+
+class OffsetsDialog(LineDialog):
+    """The nine work offsets: chosen, changed, cleared."""
+
+    AREA = Area.OFFSETS
+    HEADING = "Work offsets: their zeros in machine coordinates"
+    YES = "Do it"
+
+    def __init__(self, keys: KeyTable, link: MachineLink, axes: Sequence[str]) -> None:
+        example = "G55 (choose)   or   G55 X10 Y5 (change)   or   G55 clear"
+        super().__init__(keys, link, example=example)
+        self._axes = axes
+        self._list = Lines("", id="systems")
+
+    def inner(self) -> ComposeResult:
+        """All nine, and the line."""
+        yield self._list
+        yield from super().inner()
+
+    def on_mount(self) -> None:
+        """How they are now."""
+        super().on_mount()
+        self._ask()
+
+    def _ask(self) -> None:
+        if not self.link.order_of(self._tell):
+            self.complain("The machine runs: its work offsets cannot be changed now.")
+
+    def _tell(self, controller: Controller) -> None:
+        chosen = controller.state().work.system
+        self.call_later(self._show, systems(controller), chosen)
+
+    def _show(self, found: list[tuple[str, tuple[float, ...]]], chosen: str) -> None:
+        cells = [
+            f"{'▶' if name == chosen else ' '}{name:5}"
+            + " ".join(
+                f"{axis.upper()}{value:8.3f}"
+                for axis, value in zip(self._axes, values, strict=True)
+            )
+            for name, values in found
+        ]
+        half = -(-len(cells) // 2)
+        width = max(map(len, cells)) + 2
+        self._list.show(
+            "\n".join(
+                "".join(cell.ljust(width) for cell in cells[row::half]) for row in range(half)
+            )
+        )
+
+    def command(self, line: str) -> Command:
+        """Choose, change or clear one."""
+        name, _, rest = line.upper().partition(" ")
+        rest = rest.strip()
+        values = {} if rest == "CLEAR" or not rest else axis_words(rest, self._axes)
+
+        def change(controller: Controller) -> None:
+            if rest:
+                store_system(controller, name, values)
+            else:
+                select_system(controller, name)
+            self._tell(controller)
+
+        return change
+
+    def taken(self, line: str) -> None:
+        """The next one."""
+        self.put("")
+
+
+class ProbeDialog(LineDialog):
+    """Which cycle, and what it has to be told."""
+
+    AREA = Area.PROBE
+    HEADING = "Probe, and set the work zero"
+    YES = "Probe"
+    #: What each needs to be told, and what is proposed.
+    _TOLD: Final = (
+        ("down on", "thickness 0 reach 20"),
+        ("edge", "diameter 3 reach 20"),
+        ("corner", "diameter 3 reach 20 width 20"),
+        ("centre of a hole", "diameter 3 reach 20"),
+        ("centre of a boss", "diameter 3 width 20 depth 3 reach 20"),
+    )
+
+    def __init__(self, keys: KeyTable, link: MachineLink, tools: HandTools) -> None:
+        super().__init__(keys, link)
+        self._tools = tools
+        self._cycles = tools.cycles(link.shape.names)
+        self._at = 0
+        self._cycle = Fact("", classes="one-line line-text")
+
+    def inner(self) -> ComposeResult:
+        """Cycle and line."""
+        yield self._cycle
+        yield from super().inner()
+
+    def on_mount(self) -> None:
+        """The first cycle."""
+        super().on_mount()
+        self._show()
+
+    def action_cycle(self, by: int) -> None:
+        """The next one, or the one before."""
+        self._at = (self._at + by) % len(self._cycles)
+        self._show()
+
+    def _show(self) -> None:
+        name = self._cycles[self._at]
+        self._cycle.show(f"{name}   ({self._at + 1} of {len(self._cycles)})")
+        self.put(next(told for word, told in self._TOLD if name.startswith(word)))
+
+    def command(self, line: str) -> Command:
+        """The cycle with these values."""
+        values: dict[str, float] = {}
+        at = 0
+        while at < len(line):
+            found = _VALUE.match(line, at)
+            if found is None:
+                raise UsageError(f'"{line[at:]}" is not a word with a number, as in reach 20.')
+            values[found[1].lower()] = float(found[2].replace(",", "."))
+            at = found.end()
+        name = self._cycles[self._at]
+        return lambda controller: self._tools.probe(controller, name, values)

@@ -1,0 +1,39 @@
+"""What the app expects of who knows the language; handed in by the composition root."""
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+from fraese.control.controller import Controller
+from fraese.errors import StateError
+
+
+class HandTools(Protocol):
+    """Typed lines and probing. What starts something is called in the machine's thread.
+
+    A refusal is a ``FraeseError``; then nothing has moved.
+    """
+
+    def typed(self, controller: Controller, text: str) -> None:
+        """Start lines of G-code."""
+
+    def probe(self, controller: Controller, name: str, values: Mapping[str, float]) -> None:
+        """Start a probing cycle."""
+
+    def cycles(self, axes: Sequence[str]) -> tuple[str, ...]:
+        """Names of the cycles for these axes."""
+
+
+class NoTools:
+    """Nobody knows the language here."""
+
+    def typed(self, controller: Controller, text: str) -> None:
+        """Refused."""
+        raise StateError("This app was started without the language: no line can be typed.")
+
+    def probe(self, controller: Controller, name: str, values: Mapping[str, float]) -> None:
+        """Refused."""
+        raise StateError("This app was started without the language: it cannot probe.")
+
+    def cycles(self, axes: Sequence[str]) -> tuple[str, ...]:
+        """None."""
+        return ()

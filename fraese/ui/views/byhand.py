@@ -1,0 +1,50 @@
+"""What Move does besides jogs: typed lines, positions, the way to zero, offsets, probing."""
+
+from fraese.control.workcommands import go_to_zero
+from fraese.ui.dialogs.byhand import OffsetsDialog, ProbeDialog, SetDialog, TypedDialog
+from fraese.ui.views.afterfaults import AfterFaults
+from fraese.ui.views.view import BUSY
+
+
+class ByHand(AfterFaults):
+    """Opens the dialogs of what is done by hand."""
+
+    def action_type_line(self) -> None:
+        """G-code, or a place."""
+        desk = self.desk
+        self.app.push_screen(TypedDialog(desk.keys, desk.link, desk.tools, desk.history))
+
+    def action_set_position(self) -> None:
+        """What the present position is to be."""
+        self.app.push_screen(SetDialog(self.desk.keys, self.desk.link), self._set)
+
+    def _set(self, line: str | None) -> None:
+        if line:
+            self.note(f"Work position set here: {line.upper()}.")
+
+    def action_zero_two(self) -> None:
+        """Work zero of the two axes of the table."""
+        names = [name for name in "xy" if name in self.desk.link.shape.names]
+        if names:
+            self.expect(self.desk.link.zero(names))
+        else:
+            self.refuse("This machine has neither X nor Y.")
+
+    def action_go_to_zero(self) -> None:
+        """Lift, over, down."""
+        self.expect(self.desk.link.order_of(go_to_zero))
+
+    def action_offsets(self) -> None:
+        """The nine work offsets."""
+        desk = self.desk
+        self.app.push_screen(OffsetsDialog(desk.keys, desk.link, desk.link.shape.names))
+
+    def action_probe(self) -> None:
+        """Which cycle."""
+        desk = self.desk
+        if desk.link.moving:
+            self.refuse(BUSY)
+        elif desk.tools.cycles(desk.link.shape.names):
+            self.app.push_screen(ProbeDialog(desk.keys, desk.link, desk.tools))
+        else:
+            self.refuse("There is no probing cycle for this machine.")
