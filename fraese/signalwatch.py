@@ -4,7 +4,7 @@
        '---Python's handler, when the main thread gets to it--> in_main(number)
 
 Rule 1: what the main thread waits for (a terminal that nobody reads, a lock, a disk) delays nothing
-        that ``act`` does.
+        that ``act`` does; nor does what else the machine is busy with, where the system lets it.
 Rule 2: they are heard in a main thread only; elsewhere, and where there are none, nothing changes.
         Where sockets cannot be told of signals, the main thread acts.
 """
@@ -17,6 +17,8 @@ import threading
 from collections.abc import Callable, Iterator
 from types import FrameType
 from typing import Final
+
+from fraese.comefirst import come_first_when_woken
 
 #: Those of them that this system has: interrupt, terminate, terminal gone.
 ENDING: Final[tuple[int, ...]] = tuple(
@@ -76,6 +78,7 @@ def watched(
 
 
 def _watch(heard: socket.socket, act: Callable[[int], object], numbers: tuple[int, ...]) -> None:
+    come_first_when_woken()
     while True:
         try:
             arrived = heard.recv(256)

@@ -1,5 +1,6 @@
 """Signals are heard whatever the main thread waits for."""
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -88,3 +89,30 @@ def test_a_main_thread_that_waits_for_output_delays_nothing(number: int) -> None
     os.kill(program.pid, number)
     _, said = program.communicate(timeout=20)
     assert (program.returncode, said) == (7, b"heard")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux has such priorities by thread")
+def test_who_hears_is_woken_before_all_others_where_that_is_allowed() -> None:
+    """On a machine that is busy with other things a thread waits for its turn, up to a second."""
+    seen: list[int] = []
+
+    def ask() -> None:
+        with contextlib.suppress(OSError):
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
+        seen.append(os.sched_getscheduler(0))
+
+    asking = threading.Thread(target=ask)
+    asking.start()
+    asking.join()
+    heard = threading.Event()
+
+    def act(_: int) -> None:
+        seen.append(os.sched_getscheduler(0))
+        heard.set()
+
+    with watched(act):
+        os.kill(os.getpid(), signal.SIGHUP)
+        assert heard.wait(20)
+    assert seen[1] & ~os.SCHED_RESET_ON_FORK == seen[0]
+    # Nobody else.
+    assert os.sched_getscheduler(0) == os.SCHED_OTHER

@@ -15,6 +15,8 @@ MANY: Final = 300
 FEW: Final = 2
 #: A machine that is late once too often is not busy.
 _REPEATS: Final = 2
+#: What is said where a disk, or a simulated chip, was given no time for seconds.
+_NO_TIME: Final = ("the disk takes no record", "does not answer any more")
 #: More complaints of a kind than this are only counted.
 _SHOWN: Final = 5
 #: Characters of a complaint; ``--only`` shows all.
@@ -139,7 +141,10 @@ def _once(kind: Kind, seed: int, number: int) -> Outcome:
         except Late:
             raise
         except Exception as error:
-            return Outcome(unaccounted=1, note=f"{type(error).__name__}: {error}")
+            said = f"{type(error).__name__}: {error}"
+            if any(words in said for words in _NO_TIME):
+                raise Late(said) from error
+            return Outcome(unaccounted=1, note=said)
 
 
 class Tally:

@@ -25,6 +25,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from fraese import alarms
+from fraese.comefirst import come_first_when_woken
 from fraese.errors import FraeseError, PortError
 from fraese.motor.realtime import memory as shared
 from fraese.motor.realtime.cores import KeptOff
@@ -32,7 +33,6 @@ from fraese.motor.realtime.hostline import message
 from fraese.motor.realtime.memory import DOZING, STAGE, Memory
 from fraese.motor.realtime.rescue import switch_off
 from fraese.motor.realtime.setup import Setup
-from fraese.motor.realtime.system import come_first_when_woken
 from fraese.spawn import command, environment
 
 _MODULE: Final = "fraese.motor.realtime.child"

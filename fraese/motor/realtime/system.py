@@ -53,13 +53,6 @@ def prepare(setup: Setup) -> list[str]:
     return [ask(setup) for ask in asked]
 
 
-def come_first_when_woken() -> None:
-    """For a thread that sleeps until something is to be done at once; where it may."""
-    with contextlib.suppress(AttributeError, OSError):
-        policy = os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
-        os.sched_setscheduler(0, policy, os.sched_param(PRIORITY))
-
-
 def rt_is_unlimited() -> bool:
     """The kernel lets a SCHED_FIFO process run without a pause."""
     try:
