@@ -20,6 +20,7 @@ from fraese.assembly.misfits import misfits
 from fraese.assembly.onlooker import MillOnlooker
 from fraese.assembly.survivors import Opening
 from fraese.assembly.tracing import Trace, Wanted, wanted
+from fraese.assembly.workbench import Workbench
 from fraese.config import Config
 from fraese.control.asleft import left_by_crash
 from fraese.control.controller import Controller
@@ -54,6 +55,7 @@ class Plant:
         onlooker: sees the simulated mill in the machine's coordinates; None: there is metal.
         trace: a waveform in the making; None: none was asked for.
         recorder: says there what the machine does.
+        bench: the machine as it lies open on a bench.
     """
 
     controller: Controller
@@ -66,6 +68,7 @@ class Plant:
     onlooker: MillOnlooker | None = None
     trace: Trace | None = None
     recorder: Recorder = _NOBODY
+    bench: Workbench | None = None
 
     @property
     def is_simulated(self) -> bool:
@@ -219,7 +222,8 @@ def _put_together(
         notes += [left.sentence] if left and not kept.is_driven else []
     recorder.begin(_facts(controller, config, mill, session))
     every = (*notes, *made.notes, *misfits(config))
-    rest = made.awake, onlooker, made.trace, recorder
+    bench = Workbench(config, controller, card, made.driver, made.clock, mill)
+    rest = made.awake, onlooker, made.trace, recorder, bench
     return Plant(controller, made.clock, mill, keeping, config, every, *rest)
 
 

@@ -114,6 +114,7 @@ def _make_app(
         hand=plant.press if plant.is_simulated else None,
         leaving=leaving,
         writer=writer,
+        bench=plant.bench,
         tools=ByHand(),
         history=kept.state_folder / _TYPED_LINES,
     )

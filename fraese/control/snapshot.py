@@ -77,5 +77,6 @@ def snapshot(
         lost_steps=seen.lost_steps,
         lost_why=seen.lost_why,
         to_go_mm=where.to_go_mm if loop.status is Status.RUN else (),
+        phases=report.phases,
         cut_short=loop.unfinished.place,
     )

@@ -142,6 +142,7 @@ class MachineState:
         lost_steps: likewise, steps of this job that were asked for and not made, signed.
         lost_why: likewise, why, half a sentence; empty: none.
         to_go_mm: what is left of the jog or move by hand in hand; 0 in a program.
+        phases: phase index of every motor; on a drive of its own it says nothing.
         cut_short: the last program, if it was; None: it ended well, or another one runs.
     """
 
@@ -179,3 +180,4 @@ class MachineState:
     alarm: AlarmKind | None = None
     to_go_mm: tuple[float, ...] = ()
     cut_short: CutShort | None = None
+    phases: tuple[int, ...] = ()

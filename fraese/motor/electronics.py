@@ -36,6 +36,10 @@ class Electronics(Protocol):
     def control(self, value: int) -> None:
         """The control register was written."""
 
+    @property
+    def pins(self) -> tuple[int, int]:
+        """The data byte and the control register, as they are on the pins."""
+
     #: Where each motor's field pointed last, in half-steps of a turn; read only.
     angles: list[float]
 
@@ -92,6 +96,11 @@ class SmcElectronics:
         if value & _STROBE and not self._control & _STROBE:
             self._latch(self._data)
         self._control = value
+
+    @property
+    def pins(self) -> tuple[int, int]:
+        """Data byte and control register."""
+        return self._data, self._control
 
     def set_angle(self, motor: int, angle: float) -> None:
         """As it was left."""
@@ -180,6 +189,7 @@ class StepDirElectronics:
         self.angles = [0.0] * len(mill.rotors)
         # Pulled up before anybody writes: the first byte is no rising edge.
         self._data = 0xFF
+        self._control = 0
         self.restore_power()
 
     def data(self, value: int) -> None:
@@ -193,12 +203,18 @@ class StepDirElectronics:
                 self.angles[motor], delta = ring[self.angles[motor]]
                 self._mill.turn(motor, delta, self._now_ns())
 
+    @property
+    def pins(self) -> tuple[int, int]:
+        """Data byte and control register."""
+        return self._data ^ self._inverted, self._control
+
     def set_angle(self, motor: int, angle: float) -> None:
         """As it was left; the nearest that the drive knows."""
         self.angles[motor] = min(self._rings[motor][True], key=lambda known: abs(known - angle))
 
     def control(self, value: int) -> None:
         """ACTIVE and BOOST change the current, not the position."""
+        self._control = value
 
     def currents(self, motor: int) -> Currents:
         """A drive regulates its own currents; on or off is all that is known here."""

@@ -28,6 +28,7 @@ class Wires:
     Attributes:
         access: one function a register, to be called with the value of an entry.
         energised: the coils have full current.
+        port: as given.
         stale: entries that were made out before are not to be written any more.
     """
 
@@ -39,7 +40,7 @@ class Wires:
         reactions: Reactions,
         safe_outputs: int = 0,
     ) -> None:
-        self._port = port
+        self._port = self.port = port
         self._card = card
         self._inputs = inputs
         self._reactions = reactions
@@ -47,11 +48,24 @@ class Wires:
         self._outputs = 0
         self.energised = False
         self.stale = False
-        self.access: tuple[Callable[[int], object], ...] = (
-            port.write_data,
-            self._sample,
-            port.write_control,
-        )
+        self.access: tuple[Callable[[int], object], ...] = self._accesses(port)
+
+    def _accesses(self, port: Port) -> tuple[Callable[[int], object], ...]:
+        return port.write_data, self._sample, port.write_control
+
+    @property
+    def is_tapped(self) -> bool:
+        """Somebody listens."""
+        return self._port is not self.port
+
+    def tap(self, listener: Port) -> None:
+        """Let everything pass through this one from now on; at standstill."""
+        self._port = listener
+        self.access = self._accesses(listener)
+
+    def untap(self) -> None:
+        """Nobody listens any more; at standstill."""
+        self.tap(self.port)
 
     def write(self, entries: Entries) -> None:
         """Do what the card says."""

@@ -25,6 +25,7 @@ from textual.actions import SkipAction
 from textual.driver import Driver
 from textual.screen import ModalScreen
 
+from fraese.control.benchfacts import Bench
 from fraese.control.controller import Controller
 from fraese.control.state import MachineState, Status
 from fraese.plaintext import plain
@@ -73,6 +74,7 @@ class FraeseApp(ViewedApp):
         hand: presses (True) or lets go of (False) an end switch of a simulated machine, by name.
         leaving: told, from any thread, that the app begins to leave, and with which exit code.
         writer: writes the configuration file; None: there is none to write.
+        bench: the machine as it lies open; None: nobody has opened it.
         views: the table of views; the first is there at the start.
         tools: who knows the language.
         history: where typed lines are kept; None: nowhere.
@@ -98,6 +100,7 @@ class FraeseApp(ViewedApp):
         hand: Hand | None = None,
         leaving: Callable[[int], object] | None = None,
         writer: Writer | None = None,
+        bench: Bench | None = None,
         views: Mapping[str, type[View]] = VIEWS,
         tools: HandTools | None = None,
         history: Path | None = None,
@@ -130,7 +133,7 @@ class FraeseApp(ViewedApp):
             views,
             Desk(
                 self.link, self._keys, self._repeats, self._programs, machine_name, hand,
-                self._events, tools or NoTools(), LineHistory(history), writer,
+                self._events, tools or NoTools(), LineHistory(history), writer, bench,
             ),
         )  # fmt: skip
 

@@ -18,6 +18,7 @@ from itertools import groupby
 from typing import Final
 
 from fraese.ui.keyrows import byhand, frame
+from fraese.ui.keyrows.bench import BENCH
 from fraese.ui.keyrows.calibrate import CALIBRATE, CALIBRATE_DIALOGS
 from fraese.ui.keyrows.dialogs import AFTER_AXES, BEFORE_AXES
 from fraese.ui.keyrows.row import Area as Area
@@ -193,6 +194,7 @@ GROUPS: Final = (
     "Position",
     "Program",
     "Calibrate",
+    "Bench",
     "Display",
     "Log",
     "Machine",
@@ -315,6 +317,7 @@ class KeyTable:
             *steps,
             *_SCROLLING,
             *(CALIBRATE if "calibrate" in self.views else ()),
+            *(BENCH if "bench" in self.views else ()),
             *frame.LOG,
         )
         boxes = (_choose(axis) for axis in shape.axes)

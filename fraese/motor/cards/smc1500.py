@@ -168,6 +168,13 @@ class SmcCard:
         """Index into the drive table, per motor."""
         return tuple(self._index)
 
+    def set_phases_of(self, table: bytes, phases: Sequence[int]) -> None:
+        """Take up another table of the same length, and where in it each motor stands."""
+        self.table = table
+        self._made.clear()
+        self._run = self._columns()
+        self.set_phases(phases)
+
     def set_phases(self, phases: Sequence[int]) -> None:
         """Take up indices that were kept."""
         self._index[:] = [phase % len(self.table) for phase in phases]

@@ -11,6 +11,7 @@ class Area(Enum):
     VIEWS = "every view"
     MACHINE = "Move"
     CALIBRATE = "Calibrate"
+    BENCH = "Bench"
     LOG = "Log"
     GO_TO = "go to"
     TYPED = "type a line"

@@ -2,11 +2,12 @@
 
 from typing import Final
 
+from fraese.ui.views.bench import BenchView
 from fraese.ui.views.calibrate import CalibrateView
 from fraese.ui.views.log import LogView
 from fraese.ui.views.machine import MachineView
 from fraese.ui.views.view import View
 
 VIEWS: Final[dict[str, type[View]]] = {
-    view.NAME: view for view in (MachineView, CalibrateView, LogView)
+    view.NAME: view for view in (MachineView, CalibrateView, BenchView, LogView)
 }

@@ -17,6 +17,7 @@ from typing import Final
 from textual.app import ComposeResult
 from textual.screen import Screen
 
+from fraese.control.benchfacts import Bench
 from fraese.control.state import CutShort, MachineState, Status
 from fraese.errors import FraeseError
 from fraese.ui.bindings import bind
@@ -59,6 +60,7 @@ class Desk:
         tools: who knows the language.
         history: lines that were typed.
         writer: writes the configuration file; None: there is none to write.
+        bench: the machine as it lies open; None: nobody has opened it.
     """
 
     link: MachineLink
@@ -71,6 +73,7 @@ class Desk:
     tools: HandTools
     history: LineHistory
     writer: Writer | None = None
+    bench: Bench | None = None
 
 
 class View(Screen[None]):
