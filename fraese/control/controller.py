@@ -231,8 +231,12 @@ class Controller(Commands):
 
     def keep(self) -> SavedState:
         """What must survive a restart."""
-        state = SavedState.of(self.position, self._queue.report.phases, self.switches.names())
-        return state.model_copy(update={"job": self._loop.unfinished.known()})
+        report = self._queue.report
+        state = SavedState.of(self.position, report.phases, self.switches.names())
+        # Also in the middle of a block.
+        slack_steps = self.position.slack_seen_steps(report.position_steps)
+        job = self._loop.unfinished.known()
+        return state.model_copy(update={"slack_steps": slack_steps, "job": job})
 
     def take_up(self, kept: SavedState) -> None:
         """Go on where another run ended; the phases are the driver maker's business."""

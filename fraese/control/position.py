@@ -100,6 +100,10 @@ class Position:
         """How much of each axis' backlash lies between motor and carriage; at standstill."""
         return self._carriages.slack_steps
 
+    def slack_seen_steps(self, motor_steps: Steps) -> Steps:
+        """The same where the driver has counted this; also in the middle of a block."""
+        return self._carriages.slack_seen(self._untold(motor_steps))
+
     def latched_steps(self, report: Report) -> Steps:
         """Machine position at the contact that fulfilled a watch.
 

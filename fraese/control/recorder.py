@@ -316,24 +316,13 @@ class JournalRecorder(Recorder):
     def _say_moving(self, more: Sequence[Span]) -> None:
         facts, now_ns = self._facts(), self._now_ns()
         horizon_s = self._settle_s
-        if self._is_threaded:
-            horizon_s += self._lease.seconds + (now_ns - self._seen_ns) / _NS_PER_S + _GRACE_S
+        # What was seen last is as old as that.
+        horizon_s += self._lease.seconds + (now_ns - self._seen_ns) / _NS_PER_S + _GRACE_S
         box = self._needed(more, horizon_s, self._margin_s)
-        is_empty = not more and not self._queue.spans()[1]
-        over_ns = FOR_EVER_NS if is_empty else self._lease.over_ns(now_ns)
-        self._ask(facts.model_copy(update={"motion": self._motion(facts, box)}), box, over_ns)
-
-    def _motion(self, facts: SavedState, box: Box) -> Motion:
-        """Carriages follow their motors or lag behind, so they stay within what those do."""
-        low, high = [], []
-        counted = self._queue.report.position_steps
-        for axis, at, motor, least, most in zip(
-            self._axes, facts.position_steps, counted, box.low, box.high, strict=True
-        ):
-            ways = sorted((axis.motor_sign * (least - motor), axis.motor_sign * (most - motor)))
-            low.append(at + ways[0])
-            high.append(at + ways[1])
-        return Motion(low_steps=tuple(low), high_steps=tuple(high), counted_steps=counted)
+        has_more = more or self._queue.spans()[1]
+        over_ns = self._lease.over_ns(now_ns) if has_more else FOR_EVER_NS
+        motion = Motion.of(self._axes, facts.position_steps, self._queue.report, box)
+        self._ask(facts.model_copy(update={"motion": motion}), box, over_ns)
 
     def _say_resting(self) -> None:
         self._kept = self._facts()

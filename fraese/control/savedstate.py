@@ -12,9 +12,11 @@ from typing import Annotated, Any, Final
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
+from fraese.control.bounds import Box
 from fraese.control.position import Doubt, Position
 from fraese.errors import ConfigError
-from fraese.machine import Steps
+from fraese.machine import Axis, Steps
+from fraese.motor.seams import Report
 from fraese.workframe import ACTIVE_SYSTEM, SYSTEMS
 
 #: No machine was ever so far from its zero.
@@ -37,12 +39,38 @@ class Motion(_Fact):
     Attributes:
         low_steps: machine position per axis; below it nothing reaches that the motors were given.
         high_steps: likewise, above it.
-        counted_steps: what the driver had counted where ``position_steps`` was, per motor.
+        counted_steps: what the driver had counted where ``position_steps`` was, per motor,
+        travelled_steps: and that with both directions added.
     """
 
     low_steps: _Counts
     high_steps: _Counts
     counted_steps: _Counts = ()
+    travelled_steps: _Counts = ()
+
+    @classmethod
+    def of(cls, axes: Sequence[Axis], at_steps: Steps, report: Report, box: Box) -> "Motion":
+        """Carriages follow their motors or lag behind, so they stay within what those do.
+
+        Args:
+            axes: of the machine.
+            at_steps: position per axis,
+            report: where the driver has counted this.
+            box: what its counts stay within.
+        """
+        low, high = [], []
+        for axis, at, motor, least, most in zip(
+            axes, at_steps, report.position_steps, box.low, box.high, strict=True
+        ):
+            ways = sorted((axis.motor_sign * (least - motor), axis.motor_sign * (most - motor)))
+            low.append(at + ways[0])
+            high.append(at + ways[1])
+        return cls(
+            low_steps=tuple(low),
+            high_steps=tuple(high),
+            counted_steps=report.position_steps,
+            travelled_steps=report.travelled_steps,
+        )
 
 
 class KeptDoubt(_Fact):

@@ -68,6 +68,10 @@ class Carriages:
         """Position with so many signed motor steps of the present block done; nothing is kept."""
         return self._after(motor_steps)[0]
 
+    def slack_seen(self, motor_steps: Sequence[int]) -> Steps:
+        """The slack there; nothing is kept."""
+        return self._after(motor_steps)[1]
+
     def _after(self, motor_steps: Sequence[int]) -> tuple[Steps, Steps]:
         moved = [
             followed(slack, backlash, sign * steps)

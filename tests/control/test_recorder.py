@@ -60,6 +60,27 @@ def test_at_every_look_the_record_bounds_where_the_machine_is(tmp_path: Path, cl
     assert values["position_steps"] == list(made.controller.position.position_steps)
 
 
+def test_a_record_says_how_the_carriage_lags_in_the_middle_of_a_block_too(tmp_path: Path) -> None:
+    """Carriage, motor and slack of one moment: what they come to never changes."""
+    made = assemble(configured(axes={"x": {"backlash_mm": 0.5}}), state=tmp_path)
+    seen: set[tuple[int, int]] = set()
+
+    def look() -> None:
+        values = json.loads(made.controller.keep().model_dump_json())
+        motor = made.controller._queue.report.position_steps[0]
+        slack = values["slack_steps"][0]
+        seen.add((values["position_steps"][0] - motor - slack, slack))
+
+    made.controller.set_break_key(look)
+    # Slow, so that the motor is seen while it takes up the slack.
+    text = "F60\n" + "G1 X1\nX0\n" * 3 + "M2\n"
+    program(tmp_path, text).start(made.controller)
+    assert made.controller.run() is Status.OK
+    made.close()
+    assert {constant for constant, _ in seen} == {0}
+    assert len({slack for _, slack in seen}) > 3
+
+
 def test_the_mark_is_durable_before_the_first_step(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -20,7 +20,9 @@ from fraese.motor.seams import Ended
 from tests.motor.distantmill import Log, Spectator
 from tests.motor.workbench import line
 
-WORDS = LastWords(bytes(range(16)), (12, -(10**9), 0), (3, 5, 7), frozenset({1}), Ended.TARGET)
+WORDS = LastWords(
+    bytes(range(16)), (12, -(10**9), 0), (3, 5, 7), frozenset({1}), Ended.TARGET, (12, 10**9, 4)
+)
 
 HOST = """
 import sys

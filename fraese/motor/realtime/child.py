@@ -89,6 +89,8 @@ def _leave_words(setup: Setup, core: MotorCore, ended: Ended, *, durable: bool) 
         phases=tuple(core.card.phases()),
         torn=frozenset(range(len(counts))) if is_unsure else track.torn,
         ended=ended,
+        # What the ones before it went is not known to the step.
+        travelled_steps=() if to.base_steps else tuple(track.travelled_steps()),
     )
     # A disk that fails must not keep the process from ending.
     with contextlib.suppress(OSError):

@@ -24,10 +24,11 @@ from fraese.motor.realtime.report import MAX_MOTORS
 from fraese.motor.seams import Ended
 
 TOKEN_BYTES: Final = 16
-_MAGIC: Final = b"fraeseL1"
+_MAGIC: Final = b"fraeseL2"
 _ENDS: Final = tuple(Ended)
-#: Magic, token, motors, torn as bits, ended, counts, phases; a checksum follows.
-_WORDS: Final = struct.Struct(f"<8s{TOKEN_BYTES}sBBBx{MAX_MOTORS}q{MAX_MOTORS}q")
+#: Magic, token, motors, torn as bits, ended, whether the ways are known, counts, phases, ways; a
+#: checksum follows.
+_WORDS: Final = struct.Struct(f"<8s{TOKEN_BYTES}sBBBB{3 * MAX_MOTORS}q")
 _SUM: Final = struct.Struct("<I")
 #: Length of the file.
 SIZE: Final = _WORDS.size + _SUM.size
@@ -43,6 +44,8 @@ class LastWords:
         phases: phase index of every motor; net pulses where drives keep their own.
         torn: motors that stopped without ramp above their start/stop rate.
         ended: why they stood, before they were switched off.
+        travelled_steps: the count of every motor, both directions added, since then; empty: nobody
+            knows.
     """
 
     token: bytes
@@ -50,13 +53,15 @@ class LastWords:
     phases: tuple[int, ...]
     torn: frozenset[int]
     ended: Ended
+    travelled_steps: tuple[int, ...] = ()
 
     def packed(self) -> bytes:
         """As they stand in the file."""
         motors = len(self.position_steps)
         words = _WORDS.pack(
             _MAGIC, self.token, motors, sum(1 << motor for motor in self.torn),
-            _ENDS.index(self.ended), *_filled(self.position_steps), *_filled(self.phases),
+            _ENDS.index(self.ended), bool(self.travelled_steps), *_filled(self.position_steps),
+            *_filled(self.phases), *_filled(self.travelled_steps),
         )  # fmt: skip
         return words + _SUM.pack(zlib.crc32(words))
 
@@ -65,7 +70,7 @@ def unpacked(data: bytes) -> LastWords | None:
     """What ``packed`` made; None: these are no whole last words."""
     if len(data) != SIZE or _SUM.unpack(data[_WORDS.size :])[0] != zlib.crc32(data[: _WORDS.size]):
         return None
-    magic, token, motors, torn, ended, *counts = _WORDS.unpack(data[: _WORDS.size])
+    magic, token, motors, torn, ended, has_ways, *counts = _WORDS.unpack(data[: _WORDS.size])
     if magic != _MAGIC or motors > MAX_MOTORS or ended >= len(_ENDS):
         return None
     return LastWords(
@@ -74,6 +79,7 @@ def unpacked(data: bytes) -> LastWords | None:
         phases=tuple(counts[MAX_MOTORS : MAX_MOTORS + motors]),
         torn=frozenset(motor for motor in range(motors) if torn >> motor & 1),
         ended=_ENDS[ended],
+        travelled_steps=tuple(counts[2 * MAX_MOTORS :][:motors]) if has_ways else (),
     )
 
 
