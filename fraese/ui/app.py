@@ -45,7 +45,7 @@ from fraese.ui.programs import OpenProgram, ProgramDesk, Resume, nothing_is_kept
 from fraese.ui.questions import Questions
 from fraese.ui.settled import freeze
 from fraese.ui.stopkey import EarlyStop, Heard
-from fraese.ui.themes import DARK, LIGHT
+from fraese.ui.themes import THEMES
 from fraese.ui.viewed import ViewedApp
 from fraese.ui.views import VIEWS
 from fraese.ui.views.view import Desk, View
@@ -141,9 +141,9 @@ class FraeseApp(ViewedApp):
 
     def on_mount(self) -> None:
         """First picture, then the machine's thread."""
-        self.register_theme(DARK)
-        self.register_theme(LIGHT)
-        self.theme = DARK.name
+        for theme in THEMES:
+            self.register_theme(theme)
+        self.theme = THEMES[0].name
         self._draw(self._state)
         sys.setswitchinterval(_SWITCH_INTERVAL_S)
         if not self.is_headless:

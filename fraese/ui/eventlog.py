@@ -1,6 +1,6 @@
 """What has happened while the app was there: the events that the view Log shows."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from datetime import datetime
 from enum import Enum
@@ -61,6 +61,10 @@ class EventLog:
     def events(self) -> tuple[Event, ...]:
         """All that are remembered."""
         return tuple(self._events)
+
+    def of(self, kinds: Collection[Kind]) -> tuple[Event, ...]:
+        """Those of some kinds."""
+        return tuple(event for event in self._events if event.kind in kinds)
 
     @property
     def version(self) -> tuple[int, int]:

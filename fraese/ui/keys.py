@@ -105,8 +105,8 @@ _REST: Final = (
         "Display", "View",
     ),
     Row(
-        Area.VIEWS, "t", "t", "theme", "Dark or light",
-        "Change between dark and light.", "Display",
+        Area.VIEWS, "t", "t", "theme", "Next theme",
+        "Dark, light, high contrast.", "Display",
     ),
     Row(
         Area.MACHINE, "e", "e", "switch_test", "Switch test …",

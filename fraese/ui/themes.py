@@ -1,4 +1,4 @@
-"""The two looks."""
+"""The looks: dark, light, and one for a sunny workshop or weak eyes."""
 
 from typing import Final
 
@@ -32,3 +32,25 @@ LIGHT: Final = Theme(
     error="#b3261e",
     dark=False,
 )
+CONTRAST: Final = Theme(
+    name="fraese-contrast",
+    primary="#5fd7ff",
+    secondary="#ffffff",
+    accent="#ffff00",
+    foreground="#ffffff",
+    background="#000000",
+    surface="#000000",
+    panel="#1c1c1c",
+    success="#00ff5f",
+    warning="#ffd700",
+    error="#ff5f5f",
+    dark=True,
+)
+#: In the order in which they follow each other.
+THEMES: Final = (DARK, LIGHT, CONTRAST)
+
+
+def after(name: str) -> str:
+    """The name of the look that follows."""
+    names = [theme.name for theme in THEMES]
+    return names[(names.index(name) + 1) % len(names)] if name in names else names[0]

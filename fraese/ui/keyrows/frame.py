@@ -34,6 +34,14 @@ AROUND: Final = (
 )  # fmt: skip
 LOG: Final = (
     Row(
+        Area.LOG, "f", "f", "filter_log", "Filter", "All events, alarms and warnings, or alarms.",
+        "Log", "Filter",
+    ),
+    Row(
+        Area.LOG, "c", "c", "copy_log", "Copy", "Give what is shown to the terminal's clipboard.",
+        "Log", "Copy",
+    ),
+    Row(
         Area.LOG, "up", "↑", "scroll_log(-1)", "Up a line", "Scroll the log up.", "Log",
     ),
     Row(

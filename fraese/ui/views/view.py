@@ -29,7 +29,7 @@ from fraese.ui.keys import Area, KeyTable, said
 from fraese.ui.linehistory import LineHistory
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.programs import ProgramDesk
-from fraese.ui.themes import DARK, LIGHT
+from fraese.ui.themes import after
 from fraese.ui.widgets.keybar import KeyBar
 from fraese.ui.widgets.links import Link
 from fraese.ui.widgets.statebar import Top
@@ -246,8 +246,8 @@ class View(Screen[None]):
             self.note(sentence)
 
     def action_theme(self) -> None:
-        """Dark or light."""
-        self.app.theme = LIGHT.name if self.app.theme == DARK.name else DARK.name
+        """Dark, light, high contrast."""
+        self.app.theme = after(self.app.theme)
 
     def action_help(self) -> None:
         """The keys."""

@@ -26,6 +26,7 @@ class EventList(ScrollView, can_focus=False):
     def __init__(self, log: EventLog) -> None:
         super().__init__(id="events")
         self._log = log
+        self._kinds: tuple[Kind, ...] = tuple(Kind)
         self._seen: tuple[int, int] | None = None
         self._rows: list[tuple[Event, str]] = []
 
@@ -36,7 +37,7 @@ class EventList(ScrollView, can_focus=False):
         self._seen = self._log.version
         at_end = self.scroll_offset.y >= self.max_scroll_y
         self._rows = []
-        for event in self._log.events:
+        for event in self._log.of(self._kinds):
             self._rows.append((event, event.title))
             if event.advice:
                 self._rows.append((event, f"  {event.advice}"))
@@ -44,6 +45,19 @@ class EventList(ScrollView, can_focus=False):
         if at_end:
             self.scroll_end(animate=False)
         self.refresh()
+
+    def choose(self, kinds: tuple[Kind, ...]) -> None:
+        """Show only these."""
+        self._kinds, self._seen = kinds, None
+        self.look()
+
+    def text(self) -> str:
+        """What is shown, for other programs."""
+        return "\n".join(
+            f"{event.at:%Y-%m-%d %H:%M:%S} {event.kind.value:8}"
+            f"{event.title} {event.advice}".rstrip()
+            for event in self._log.of(self._kinds)
+        )
 
     def scroll_lines(self, lines: int) -> None:
         """Look at older ones, or newer ones."""
