@@ -46,8 +46,8 @@ MUTANTS: Final = (
         "control/survived: an axis with backlash is known to the step",
         "a carriage that lags behind its motor counts as right",
         _C + "survived.py",
-        "old and not axis.backlash_steps and",
-        "old and",
+        "        went or not axis.backlash_steps\n",
+        "        True\n",
         _SURVIVED,
     ),
     Mutant(
