@@ -127,6 +127,7 @@ class Shop:
         travel_mm: of each axis.
         lead_s: motion that is kept in the driver's queue.
         popen: what starts a process.
+        capacity: accesses that can be logged.
 
     Attributes:
         fake: the port, with a machine on it.
@@ -140,11 +141,12 @@ class Shop:
         travel_mm: int = LONG_MM,
         lead_s: float = 0.3,
         popen: Any = subprocess.Popen,
+        capacity: int = 500_000,
     ) -> None:
         self._popen = popen
         _furnish(folder, port, wiring, travel_mm, lead_s)
         self.folder = folder
-        self.fake = FakePort(folder)
+        self.fake = FakePort(folder, capacity)
         travel_steps = travel_mm * STEPS_PER_MM
         self.fake.mount("smc" if wiring == "smc" else "stepdir", [travel_steps] * 3)
         self._middle_steps = travel_steps // 2
