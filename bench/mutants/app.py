@@ -46,11 +46,11 @@ MUTANTS: Final = (
         ),
     ),
     Mutant(
-        "app/app: a terminal that goes away is not seen",
+        "app/terminal: one that goes away is not told of",
         "the machine runs on with nobody at a stop key",
-        _U + "app.py",
-        "        if not os.isatty(sys.__stdin__.fileno() if sys.__stdin__ else 0):\n",
-        "        if False:\n",
+        _U + "terminal.py",
+        "        app.terminal_is_gone()\n",
+        "        pass\n",
         tests_of(
             "ui/test_terminal.py",
             "test_a_terminal_that_goes_away_without_a_signal_ends_the_app_too",

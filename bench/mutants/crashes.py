@@ -147,14 +147,6 @@ MUTANTS: Final = (
         ("tests/program/test_kept.py",),
     ),
     Mutant(
-        "assembly/survivors: words count for a record at rest",
-        "an older count makes a place of another day a trusted one",
-        "fraese/assembly/survivors.py",
-        "if record.motion is None or survivor is None or",
-        "if survivor is None or",
-        _SURVIVORS,
-    ),
-    Mutant(
         "assembly/survivors: a ledger of an earlier run of the computer",
         "a board that had no current since is believed",
         "fraese/assembly/survivors.py",

@@ -10,7 +10,6 @@ import asyncio
 import contextlib
 import contextvars
 import math
-import os
 import signal
 import sys
 import time
@@ -55,8 +54,6 @@ from fraese.ui.widths import RepeatRule
 _FRAME_S: Final = 0.04
 #: The step loop of a simulated mill shares the interpreter: let it have its turn soon.
 _SWITCH_INTERVAL_S: Final = 0.0005
-#: How often it is seen whether the terminal is still there.
-_TERMINAL_SEEN_S: Final = 0.25
 #: What the app is made of is there by then: modules, widgets, first pictures.
 _SETTLED_S: Final = 0.5
 
@@ -147,7 +144,6 @@ class FraeseApp(ViewedApp):
         self._draw(self._state)
         sys.setswitchinterval(_SWITCH_INTERVAL_S)
         if not self.is_headless:
-            self.set_interval(_TERMINAL_SEEN_S, self._see_terminal)
             self.set_timer(_SETTLED_S, freeze)
         self.link.start()
         for note in self._notes:
@@ -175,13 +171,8 @@ class FraeseApp(ViewedApp):
                 self.link.close()
                 self._programs.close()
 
-    def _see_terminal(self) -> None:
-        """A terminal that went away without a signal: nobody can press the stop key any more."""
-        if not os.isatty(sys.__stdin__.fileno() if sys.__stdin__ else 0):
-            self.terminal_is_gone()
-
     def terminal_is_gone(self) -> None:
-        """The same, from any thread."""
+        """Without a signal: nobody can press the stop key any more. From any thread."""
         self._leave_by_signal(signal.SIGTERM)
 
     def _leave_by_signal(self, number: int) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from fraese.assembly import assemble
+from fraese.assembly import assemble, survivors
 from fraese.assembly.keeping import Keeping
 from fraese.assembly.meaning import meaning
 from fraese.assembly.survivors import KNOWN, Opening, words_to
@@ -175,3 +175,20 @@ def test_what_is_no_file_there_is_refused(tmp_path: Path, what: str) -> None:
 def test_where_no_file_can_be_made_there_are_no_words(tmp_path: Path) -> None:
     assert words_to(Opening(TOKEN, tmp_path / "none" / "ppdev-parport0.journal")) is None
     assert words_to(None) is None
+
+
+def test_a_ledger_counts_in_the_run_of_the_computer_in_which_it_was_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A board has had no current since, perhaps."""
+    opening = survivors.Opening(b"t" * 16, tmp_path / "bridge-x.journal")
+    monkeypatch.setattr(survivors, "this_boot", lambda: b"b" * 16)
+    ledger = survivors.ledger_of(opening)
+    ledger.begin(77, 8, (0, 0, 0), (0, 0, 0))
+    ledger.close()
+    book = survivors._book_of(opening)
+    assert book is not None
+    assert book.session == 77
+    assert survivors._book_of(opening._replace(token=b"o" * 16)) is None
+    monkeypatch.setattr(survivors, "this_boot", lambda: b"c" * 16)
+    assert survivors._book_of(opening) is None
