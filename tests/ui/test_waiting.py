@@ -97,3 +97,29 @@ def test_no_button_that_says_back_stops_a_job(tmp_path: Path) -> None:
             assert b.plant.controller.state().cut_short is not None
 
     play(scene)
+
+
+def test_what_is_in_force_where_the_motors_are_is_shown_and_named(tmp_path: Path) -> None:
+    """The program sets G55, G92 and a tool; the interpreter may be as far ahead as it likes."""
+    text = "G0 X1\nG10 L2 P2 X-10 Y0 Z0\nG55\nG0 X12\nM0\nG92 X5\nT2 M6\nM0\nG54\nG92.1\nM0\nM2\n"
+
+    async def scene() -> None:
+        async with bench(config=configured()) as b:
+            path = tmp_path / "part.ngc"
+            path.write_text(text)
+            part = open_program(path)
+            b.app.link.order_of(part.start)
+            for question, said, x_mm in (
+                ("line 5", "G55", 12.0),
+                ("put in tool 2", "G55, G92", 5.0),
+                ("line 8", "G55, G92, tool 2", 5.0),
+                ("line 11", "tool 2", 2.0),
+            ):
+                await asked(b, question)
+                await b.wait(lambda said=said: b.text("#work") == said)  # type: ignore[misc]
+                assert b.drawn.work_mm[0] == x_mm
+                assert b.drawn.position_mm[0] == 2
+                await b.press("enter")
+            await b.settled()
+
+    play(scene)
