@@ -112,7 +112,7 @@ MUTANTS: Final = (
         _P + "resumption.py",
         "        if controller.position.doubt is not None:\n",
         "        if False:\n",
-        _GOING_ON,
+        ("tests/program/test_resumption.py",),
     ),
     Mutant(
         "program/resumption: the machine has changed since",
