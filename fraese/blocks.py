@@ -32,6 +32,8 @@ CYCLES_PER_S: Final = 16_000_000
 Q8: Final = 256
 #: Lowest and highest feed override, factors.
 OVERRIDES: Final = (0.1, 2.0)
+#: The same of rapids, which are as fast as the axes can already.
+RAPID_OVERRIDES: Final = (0.1, 1.0)
 
 #: ``rate_q8 == RATE_Q8_CYCLES // interval_cycles``; fits 32 bits without sign.
 RATE_Q8_CYCLES: Final = CYCLES_PER_S * Q8
@@ -136,8 +138,9 @@ class Block(NamedTuple):
         ends_at_rest: the plan is at or below the start/stop rate at the last tick.
         watch: condition while this block plays.
         outputs: change of free outputs at the first tick.
-        override_q8: feed override that it was planned with, 256 for 100 %; 0: none acts on it.
+        override_q8: override that it was planned with, 256 for 100 %; 0: none acts on it.
         tag: whatever the maker wants to see in reports while the block plays (a line number).
+        is_rapid: the override is that of rapids; of no interest to whoever plays it.
     """
 
     steps: tuple[int, ...]
@@ -150,6 +153,7 @@ class Block(NamedTuple):
     outputs: Outputs | None = None
     tag: int = 0
     override_q8: int = 0
+    is_rapid: bool = False
 
     def ticks(self) -> int:
         """Number of ticks, over all pieces."""
@@ -159,6 +163,10 @@ class Block(NamedTuple):
         """The highest rate of its plan."""
         ends = (q8 for p in self.pieces if p.ticks for q8 in (p.interval_q8, p.last_interval_q8()))
         return RATE_Q8_CYCLES // max(1, min(ends) >> 8)
+
+    def braking_s(self) -> float:
+        """How long it takes to stop from the highest rate of its plan."""
+        return self.top_rate_q8() / self.accel_q * 65536 / CYCLES_PER_S if self.accel_q else 0.0
 
     def duration_cycles(self) -> int:
         """Time of the plan, in cycles, if nothing throttles it."""

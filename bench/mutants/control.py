@@ -347,11 +347,11 @@ MUTANTS: Final = (
         ),
     ),
     Mutant(
-        "control/runloop: the queue is shorter than the braking time",
+        "control/runner: the queue is shorter than the braking time",
         "a fast machine brakes for want of blocks, again and again",
-        _C + "runloop.py",
-        "lead_s = max(config.run.lead_s, braking_s + 2 * slice_s)",
-        "lead_s = config.run.lead_s",
+        _C + "runner.py",
+        "max(self._lead_s, fastest_s + 2 * self._slice_s)",
+        "self._lead_s",
         tests_of(
             "control/test_queue.py",
             "test_short_lines_of_a_machine_that_brakes_slowly_never_run_dry",

@@ -119,8 +119,8 @@ MUTANTS: Final = (
         "planner/targets: a long move is cut short",
         "a part of a long line is left out",
         _P + "targets.py",
-        "(2 * n * part + parts) // (2 * parts)",
-        "(2 * n * part - parts) // (2 * parts)",
+        "(2 * n * at + ticks) // (2 * ticks)",
+        "(2 * n * at - ticks) // (2 * ticks)",
         tests_of(
             "planner/test_planner.py",
             "test_long_lines_are_cut_in_time_but_not_slowed_down",

@@ -137,7 +137,7 @@ MUTANTS: Final = (
         "planner/targets: M49 is no protection from the override",
         "a tap or a probe is slowed down or hurried against the program's word",
         "fraese/planner/targets.py",
-        "        if self.keeps_feed:\n",
+        "        if self.keeps_feed and feed_mm_s != UNLIMITED:\n",
         "        if False:\n",
         tests_of(
             "program/test_program.py",

@@ -31,6 +31,7 @@ from fraese.control.asleft import left_by_crash
 from fraese.errors import FraeseError, UsageError
 from fraese.program import ByHand, Resumption, open_program
 from fraese.program.kept import KeptPrograms
+from fraese.program.recent import RecentPrograms
 
 if TYPE_CHECKING:
     from fraese.ui.app import FraeseApp
@@ -87,7 +88,7 @@ def start(
             )
         on = Drive(config=config, state=state, fresh=fresh, trace=trace)
         plant = on.plant("paced")
-        return _run_app(plant, file, KeptPrograms(on.folder), FileWriter(config))
+        return _run_app(plant, file, on.folder, FileWriter(config))
 
     leave(go)
 
@@ -95,7 +96,7 @@ def start(
 def _make_app(
     plant: Plant,
     program: Path | None,
-    kept: KeptPrograms,
+    folder: Path,
     leaving: Callable[[int], object] | None = None,
     writer: FileWriter | None = None,
 ) -> "FraeseApp":
@@ -104,10 +105,12 @@ def _make_app(
 
     # What a crash has left is offered by the app itself.
     left = left_by_crash(plant.controller)
+    kept = KeptPrograms(folder)
     return FraeseApp(
         plant.controller,
         open_program=partial(open_program, apart=True, kept=kept),
         resume=partial(Resumption.of, kept=kept, apart=True),
+        recent=RecentPrograms(folder),
         notes=[text for text in plant.notes if left is None or text != left.sentence],
         program=program,
         machine_name=plant.machine_name,
@@ -120,7 +123,7 @@ def _make_app(
     )
 
 
-def _run_app(plant: Plant, program: Path | None, kept: KeptPrograms, writer: FileWriter) -> int:
+def _run_app(plant: Plant, program: Path | None, folder: Path, writer: FileWriter) -> int:
     """The app, to its end; the exit code."""
     departure = Departure(leave=left_at_once(sys.stdin.fileno()))
     ui: FraeseApp | None = None
@@ -140,7 +143,7 @@ def _run_app(plant: Plant, program: Path | None, kept: KeptPrograms, writer: Fil
         in_background(lambda: departure.machine_is_closed(closing.code(code)), "way out")
 
     try:
-        ui = _make_app(plant, program, kept, leaving, writer)
+        ui = _make_app(plant, program, folder, leaving, writer)
         ui.run()
     finally:
         _close_moved(plant, closing)

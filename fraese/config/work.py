@@ -116,12 +116,12 @@ class RunConfig(Section):
         "mm", description="Unit of coordinate lists that do not say theirs."
     )
     lead_s: float = Field(
-        0.3,
+        0.2,
         ge=0.05,
         le=10,
         description=(
             "Motion kept in the queue ahead of the motors, s; they brake when half of it was played"
-            " and the disk has taken no record of it."
+            " and the disk has taken no record of it; more is kept where stopping takes longer."
         ),
     )
 
@@ -174,8 +174,8 @@ class PlannerConfig(Section):
         ),
     )
     max_block_s: float = Field(
-        1,
-        ge=0.1,
+        0.05,
+        ge=0.02,
         le=3600,
         description=(
             "Longer moves are cut into blocks of this time, s, so that an override acts soon."

@@ -13,7 +13,7 @@ from fraese.config import Config
 from fraese.control import lines, softlimits
 from fraese.control.endswitches import EndSwitches
 from fraese.control.homing import Homing, chosen
-from fraese.control.jobs import Job, Note
+from fraese.control.jobs import Job, Note, Plan
 from fraese.control.position import Position
 from fraese.control.retract import Detour
 from fraese.control.runloop import RunLoop
@@ -45,6 +45,7 @@ class Commands:
         expected_s: float = 0.0,
         detour: Detour | None = None,
         note: Note | None = None,
+        plan: Plan | None = None,
         guest: bool = False,
     ) -> None:
         """Take up a job."""

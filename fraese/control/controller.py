@@ -14,10 +14,10 @@ from collections.abc import Callable
 
 from fraese.anythread import any_thread
 from fraese.config import Config
-from fraese.control import softlimits
 from fraese.control.commands import Commands
 from fraese.control.endswitches import EndSwitches
-from fraese.control.jobs import Job, Note
+from fraese.control.handling import Handling
+from fraese.control.jobs import Job, Note, Plan
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.onlooker import Nobody, Onlooker
 from fraese.control.position import Position
@@ -50,7 +50,7 @@ class Controller(Commands):
     Attributes:
         position: positions, references, work offsets.
         switches: the end switches and the probe.
-        override: feed override, a factor.
+        handling: overrides, and how programs are run.
     """
 
     def __init__(
@@ -71,10 +71,13 @@ class Controller(Commands):
         self.log = log
         self._driver = driver
         self._onlooker = seen = onlooker or Nobody()
-        self.override = 1.0
+        self.handling = handling = Handling(
+            driver, optional_stop=config.run.optional_stop, block_delete=config.run.block_delete
+        )
         self.position = Position(machine)
         self.switches = EndSwitches(config, self.position, driver)
-        self._queue = MotionQueue(driver, self.position, self.switches, recorder or Recorder())
+        keeper = recorder or Recorder()
+        self._queue = MotionQueue(driver, self.position, self.switches, keeper, handling)
         # The first words with the driver; until here nobody has spoken to it.
         self._queue.open()
         self.switches.open()
@@ -139,10 +142,11 @@ class Controller(Commands):
         expected_s: float = 0.0,
         detour: Detour | None = None,
         note: Note | None = None,
+        plan: Plan | None = None,
         guest: bool = False,
     ) -> None:
         """Take up a job; ``run`` works it off. See ``RunLoop.start``, also for what it raises."""
-        self._loop.start(name, job, lines, expected_s, detour, note, guest=guest)
+        self._loop.start(name, job, lines, expected_s, detour, note, plan, guest=guest)
 
     def run(self) -> Status:
         """Work off what was started, to motors at rest; how it ended."""
@@ -193,19 +197,6 @@ class Controller(Commands):
         self._loop.runner.answer()
 
     @any_thread
-    def set_override(self, factor: float) -> None:
-        """Feed override, 0.1 to 2.
-
-        A lower one acts at once, a higher one on what is not in the driver's queue yet.
-
-        Raises:
-            LimitError: if it is outside.
-        """
-        softlimits.require_override(factor)
-        self.override = factor
-        self._driver.set_override(factor)
-
-    @any_thread
     def switch_log(self, on: bool) -> None:
         """Log on or off.
 
@@ -254,7 +245,6 @@ class Controller(Commands):
             self.position,
             self.switches,
             log_on=self.log is not None and self.log.is_on,
-            override=self.override,
             step_word=self.step_word,
             seen=self._onlooker.look(),
         )

@@ -15,7 +15,7 @@ So homing is written as it is read, a program streams, and both are stopped in o
 
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from fraese.blocks import Block
 from fraese.motor.seams import Report
@@ -34,9 +34,15 @@ class Standstill:
 
 @dataclass(frozen=True, slots=True)
 class Ask:
-    """Wait for standstill, then for the operator."""
+    """Wait for standstill, then for the operator.
+
+    Attributes:
+        question: what he is asked.
+        admits: he may move by hand meanwhile; whoever asks sees to the way back.
+    """
 
     question: str
+    admits: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +59,23 @@ class Turn:
 
 STANDSTILL: Final = Standstill()
 TURN: Final = Turn()
+
+
+class Plan(Protocol):
+    """When a job comes to which of its moves."""
+
+    def progress(
+        self, move: int, in_move_s: float, *, feed: float, rapid: float
+    ) -> tuple[float, float]:
+        """The share that is done, 0 to 1, and how long the rest takes, s.
+
+        Args:
+            move: number of the move in hand; 0: none yet.
+            in_move_s: so much of it was made, as planned at 100 %.
+            feed: override, a factor.
+            rapid: of rapids, likewise.
+        """
+
 
 #: Says what must be known to go on with a job: of the tag in hand and the parameters in force.
 Note = Callable[[int, Mapping[int, float]], Mapping[str, Any]]

@@ -19,9 +19,10 @@ from typing import Final, NamedTuple
 
 from fraese import alarms
 from fraese.anythread import any_thread
-from fraese.blocks import Block, remainder
+from fraese.blocks import Q8, Block, remainder
 from fraese.control.bounds import Span
 from fraese.control.endswitches import EndSwitches
+from fraese.control.handling import Handling
 from fraese.control.position import Position
 from fraese.control.recorder import Recorder
 from fraese.errors import PortError, StateError
@@ -45,6 +46,13 @@ class _Queued(NamedTuple):
     ticks: int
     duration_s: float
     mm_per_tick: float
+    braking_s: float
+
+    @property
+    def nominal_s(self) -> float:
+        """Its duration at an override of 100 %, as near as that can be told."""
+        override_q8 = self.block.override_q8
+        return self.duration_s * override_q8 / Q8 if override_q8 else self.duration_s
 
 
 def span_of(block: Block) -> Span:
@@ -60,8 +68,10 @@ class MotionQueue:
         position: told what was played.
         switches: told what was read.
         recorder: asked before anything is handed over; see its rule 1.
+        handling: see the attribute.
 
     Attributes:
+        handling: overrides; told what lies in the queue.
         report: the driver's last word.
         blocks: blocks of this job pushed so far, without what was taken back.
         finished: blocks of this job that were played to their end.
@@ -77,8 +87,12 @@ class MotionQueue:
         position: Position,
         switches: EndSwitches,
         recorder: Recorder,
+        handling: Handling | None = None,
     ) -> None:
         self._driver = driver
+        self.handling = handling or Handling(driver)
+        # What was finished of the move in hand: its tag, and how long that took at 100 %.
+        self._move_tag, self._move_s = 0, 0.0
         self.recorder = recorder
         recorder.attach(self)
         # What the driver will have counted when all was played.
@@ -155,6 +169,7 @@ class MotionQueue:
                 ticks=span.ticks,
                 duration_s=span.duration_s,
                 mm_per_tick=mm_per_tick(block.weight),
+                braking_s=block.braking_s(),
             )
         )
         return span.duration_s
@@ -185,6 +200,8 @@ class MotionQueue:
         self._switches.see(self.report)
         self._position.lose_reference(self.report.torn)
         self._forget_played()
+        if self.handling.may_be_over:
+            self.handling.follow([queued.block for queued in self._queue])
         return self.report
 
     def look_around(self, readings: int) -> None:
@@ -202,6 +219,9 @@ class MotionQueue:
             queued = self._queue.popleft()
             self.finished += queued.of_job
             self._position.played(queued.block.steps)
+            if queued.block.tag != self._move_tag:
+                self._move_tag, self._move_s = queued.block.tag, 0.0
+            self._move_s += queued.nominal_s
         self._finished_before = finished
         if not self.report.queued:
             # What is left was dropped, the first of it perhaps half-way.
@@ -276,6 +296,21 @@ class MotionQueue:
             first = self._queue[0]
             total_s -= first.duration_s * self.report.tick / first.ticks
         return total_s
+
+    @any_thread
+    def in_move_s(self) -> float:
+        """How much of the move in hand was made, s as planned at 100 %."""
+        report, queue = self.report, self._queue
+        before_s = self._move_s if report.tag == self._move_tag else 0.0
+        try:
+            first = queue[0]
+        except IndexError:
+            return before_s
+        return before_s + first.nominal_s * report.tick / first.ticks
+
+    def braking_s(self) -> float:
+        """How long it takes to stop from the highest rate in the queue."""
+        return max([queued.braking_s for queued in self._queue], default=0.0)
 
     @any_thread
     def mm_s(self) -> float:

@@ -15,14 +15,14 @@ Rule 4: the motors keep their current for ``standstill.delay_s``, in case that a
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
 from typing import Final
 
 from fraese.anythread import any_thread
 from fraese.config import Config
 from fraese.control.endings import alarm, not_kept
 from fraese.control.endswitches import EndSwitches
-from fraese.control.jobs import Job, Note, line_of
+from fraese.control.following import Following
+from fraese.control.jobs import Job, Note, Plan
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.onlooker import Onlooker, lost_in_words
 from fraese.control.patience import Patience, no_progress
@@ -99,16 +99,12 @@ class RunLoop:
         self.status = Status.OK
         self.message = ""
         self.error: FraeseError | None = None
-        self._progress: JobProgress | None = None
+        self._following = Following(queue, clock)
         self.unfinished = Unfinished(queue, position)
-        self._job_from_ns = 0
         self._late_before = self._dry_before = self._lapses_before = 0
         self._travelled_before = queue.report.travelled_steps
         self._idle_at_ns: int | None = None
-        axes = position.machine.axes
-        braking_s = max(axis.max_rate_hz / axis.acceleration_hz_s for axis in axes)
-        lead_s = max(config.run.lead_s, braking_s + 2 * slice_s)
-        self.runner = Runner(driver, queue, lead_s, slice_s)
+        self.runner = Runner(driver, queue, config.run.lead_s, slice_s)
         self._patience = Patience(clock, slice_s)
 
     # --- callbacks -----------------------------------------------------------------------------
@@ -135,7 +131,8 @@ class RunLoop:
         """Work off what was commanded; returns the status in which it ended."""
         if self.status is not Status.RUN:
             return self.status
-        log_line("controller", "run", "entry", self._progress.name if self._progress else "")
+        job = self._following.last
+        log_line("controller", "run", "entry", job.name if job else "")
         self._mark()
         self._display()
         try:
@@ -179,6 +176,7 @@ class RunLoop:
         expected_s: float = 0.0,
         detour: Detour | None = None,
         note: Note | None = None,
+        plan: Plan | None = None,
         *,
         guest: bool = False,
     ) -> None:
@@ -191,6 +189,7 @@ class RunLoop:
             expected_s: planned duration, likewise.
             detour: where to go while it is held; None: stay.
             note: says what must be known to go on with it; None: nobody can.
+            plan: when it comes to which move; None: nobody knows.
             guest: it may be done while another one waits for an answer.
 
         Raises:
@@ -204,8 +203,7 @@ class RunLoop:
         self.message, self.error = "", None
         self._idle_at_ns = None
         self.unfinished.begin(note)
-        self._progress = JobProgress(name, lines=lines, expected_s=expected_s)
-        self._job_from_ns = self._clock.now_ns()
+        self._following.begin(JobProgress(name, lines=lines, expected_s=expected_s), plan)
         self._late_before = self._queue.report.late_ticks
         self._dry_before = self._queue.report.dry_queues
         self._lapses_before = self._recorder.lapses
@@ -257,9 +255,8 @@ class RunLoop:
     @any_thread
     def progress(self) -> JobProgress | None:
         """The job in hand, or the last one as it ended."""
-        if self._progress is None or self.status is not Status.RUN:
-            return self._progress
-        return self._progress_now(self._progress)
+        running = self.status is Status.RUN
+        return self._following.now() if running else self._following.last
 
     @property
     @any_thread
@@ -275,7 +272,7 @@ class RunLoop:
         except FraeseError:
             self.runner.give_up()
             self.status = Status.OK
-            self._progress = None
+            self._following.forget()
             raise
 
     def _follow(self) -> None:
@@ -289,10 +286,13 @@ class RunLoop:
         if self._recorder.is_awaited and not self._queue.report.running:
             # Nothing moves until the disk has taken it.
             self._recorder.wait(self._slice_ns / _NS_PER_S)
+        before_ns, stood = self._clock.now_ns(), self.runner.waits
         status = self.runner.activate()
         if status is Status.RUN and self.runner.waits:
             # Nothing passes the time for us: the driver has nothing to play.
             self._clock.wait_until(self._clock.now_ns() + self._slice_ns)
+        if stood:
+            self._following.waited(before_ns)
         if status is Status.RUN and self._patience.is_over(
             self._queue.report, excused=self.runner.waits_for_person or self.runner.computes
         ):
@@ -350,8 +350,7 @@ class RunLoop:
 
     def _keep_progress(self) -> None:
         self.unfinished.end(done=self.status is Status.OK)
-        if self._progress is not None:
-            self._progress = self._progress_now(self._progress)
+        self._following.end(done=self.status is Status.OK)
 
     def _own_up(self) -> None:
         """What the motors felt and nobody asked for: dry queues, late and lost steps."""
@@ -384,11 +383,3 @@ class RunLoop:
         self._idle_at_ns = self._clock.now_ns() + round(delay_s * _NS_PER_S)
         if not delay_s:
             self.idle()
-
-    def _progress_now(self, progress: JobProgress) -> JobProgress:
-        return replace(
-            progress,
-            line=line_of(self._queue.tag),
-            blocks=self._queue.blocks,
-            elapsed_s=(self._clock.now_ns() - self._job_from_ns) / _NS_PER_S,
-        )

@@ -3,7 +3,7 @@
     job --blocks--> pending --push--> driver's queue --poll--> report --> job
 
 Rule 1: the queue is kept filled to ``lead_s`` of motion, not to its capacity, so that what the
-        operator changes is felt soon.
+        operator changes is felt soon; to more only where stopping from what comes takes longer.
 Rule 2: ``cancel``, ``stop``, ``hold``, ``resume`` and ``answer`` set flags, from any thread; the
         first two and ``hold`` reach the driver at once.
 Rule 3: while a job waits for an answer, another one may be done: its guest. A cancel ends the guest
@@ -40,7 +40,7 @@ class Runner:
     Args:
         driver: what plays the blocks.
         queue: its queue.
-        lead_s: motion to keep in the queue.
+        lead_s: motion to keep in the queue at least.
         slice_s: how long one poll may take.
 
     Attributes:
@@ -140,7 +140,8 @@ class Runner:
     @any_thread
     def is_open(self) -> bool:
         """The job waits for an answer, and nothing else is done."""
-        return bool(self.question) and not self._answered and not self.cancelling
+        admits = isinstance(self._wait, Ask) and self._wait.admits
+        return bool(self.question) and admits and not self._answered and not self.cancelling
 
     def admit(self, guest: Job) -> None:
         """Do another job while this one waits for its answer."""
@@ -255,10 +256,11 @@ class Runner:
         self.computes = False
         if not self._held and self._aside is not None and not self._aside.give_back():
             return
-        ahead_s = self._queue.duration_s()
+        ahead_s, fastest_s = self._queue.duration_s(), self._queue.braking_s()
         while self._job is not None and not (self._held or self._cancel or self._stop):
             if self._pending is not None:
-                if ahead_s >= self._lead_s:
+                fastest_s = max(fastest_s, self._pending.braking_s())
+                if ahead_s >= max(self._lead_s, fastest_s + 2 * self._slice_s):
                     return
                 added_s = self._queue.push(self._pending)
                 if added_s is None:

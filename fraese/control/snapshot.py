@@ -24,7 +24,6 @@ def snapshot(
     switches: EndSwitches,
     *,
     log_on: bool,
-    override: float,
     step_word: str,
     seen: Seen,
 ) -> MachineState:
@@ -32,24 +31,22 @@ def snapshot(
 
     Args:
         loop: status, job, message.
-        queue: the driver's last report.
+        queue: the driver's last report; overrides and switches.
         where: positions and references.
         switches: what the inputs mean.
         log_on: the log is being written.
-        override: feed override, a factor.
         step_word: what the card calls one step.
         seen: what an onlooker sees.
     """
     report, axes, job = queue.report, where.machine.axes, loop.progress()
     position_steps, frame = where.position_steps, where.frame
-    position_mm = where.machine.to_mm(position_steps)
     return MachineState(
         status=loop.status,
         message=loop.message,
         alarm=loop.alarm.kind if loop.alarm else None,
         axes=tuple(axis.name for axis in axes),
         position_steps=position_steps,
-        position_mm=position_mm,
+        position_mm=(position_mm := where.machine.to_mm(position_steps)),
         work_mm=frame.to_work(position_mm),
         offset_mm=frame.origin,
         work=WorkFacts.of(frame, where.offsets.tool),
@@ -70,7 +67,11 @@ def snapshot(
         late_ticks=report.late_ticks,
         dry_queues=report.dry_queues,
         question=loop.runner.question,
-        override=override,
+        override=queue.handling.feed,
+        rapid_override=queue.handling.rapid,
+        single_block=queue.handling.single_block,
+        optional_stop=queue.handling.optional_stop,
+        block_delete=queue.handling.block_delete,
         units=tuple(axis.unit for axis in axes),
         step_word=step_word,
         carriages_mm=seen.carriages_mm,

@@ -11,7 +11,6 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from fraese.blocks import OVERRIDES
 from fraese.control.position import Position
 from fraese.errors import LimitError
 from fraese.machine import Axis, Machine, Steps, three_decimals
@@ -217,16 +216,3 @@ def fastest_mm_min(machine: Machine, here: Steps, there: Steps) -> float:
     length_mm = math.hypot(*ways_mm)
     rates = (axis.max_rate_hz * axis.step_mm * 60 * length_mm / abs(way) for axis, way in moved)
     return min(rates, default=math.inf)
-
-
-def require_override(factor: float) -> None:
-    """See that a feed override is one.
-
-    Raises:
-        LimitError: if it is outside ``OVERRIDES``.
-    """
-    low, high = OVERRIDES
-    if not low <= factor <= high:
-        raise LimitError(
-            f"A feed override is {low * 100:g} to {high * 100:g} %, not {factor * 100:g} %."
-        )

@@ -5,6 +5,7 @@ from enum import Enum
 
 from fraese.alarms import AlarmKind
 from fraese.blocks import OVERRIDES as OVERRIDES
+from fraese.blocks import RAPID_OVERRIDES as RAPID_OVERRIDES
 from fraese.machine import three_decimals as three_decimals
 from fraese.workframe import SYSTEMS, WorkFrame
 
@@ -27,9 +28,12 @@ class JobProgress:
         line: line of the program now being played; 0 outside a program.
         lines: how many lines the program has; 0 where that is not known.
         blocks: blocks pushed so far.
-        elapsed_s: machine time since the start.
+        elapsed_s: machine time since the start, without what was waited.
         expected_s: planned duration; 0 where that is not known.
         doing: what it does now, half a sentence; empty: it does not say.
+        move: number of the move now being made; 0: none yet, or outside a program.
+        share: what is done of it by the plan, 0 to 1; None where there is none.
+        left_s: how long the rest takes with the overrides as they are; likewise.
     """
 
     name: str
@@ -39,6 +43,9 @@ class JobProgress:
     elapsed_s: float = 0.0
     expected_s: float = 0.0
     doing: str = ""
+    move: int = 0
+    share: float | None = None
+    left_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +141,10 @@ class MachineState:
         late_ticks: ticks that came late since the start.
         dry_queues: times the queue ran dry since the start.
         override: feed override, a factor.
+        rapid_override: of rapids, a factor.
+        single_block: a program waits after every line that moves.
+        optional_stop: M1 stops.
+        block_delete: lines that begin with a slash are left out.
         question: what the operator is asked, with the job waiting; empty if nothing.
         units: "mm" or "°", per axis.
         step_word: what one step is called: half-step, quarter-step, pulse.
@@ -171,6 +182,10 @@ class MachineState:
     dry_queues: int = 0
     question: str = ""
     override: float = 1.0
+    rapid_override: float = 1.0
+    single_block: bool = False
+    optional_stop: bool = False
+    block_delete: bool = False
     work: WorkFacts = WorkFacts()
     units: tuple[str, ...] = ()
     step_word: str = "step"

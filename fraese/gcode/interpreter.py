@@ -8,7 +8,7 @@ Rule 3  Behind a barrier (probe, pause, tool change) the position is what the ou
 Rule 4  Whatever is wrong with a program ends in a ProgramError with file and line.
 """
 
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from typing import Final
 
 from fraese.errors import ProgramError
@@ -43,8 +43,14 @@ from fraese.gcode.text import MAX_LINE
 from fraese.gcode.words import Block, BlockReader
 from fraese.workframe import Point, WorkFrame
 
+#: Told of a line that is refused; whether the program is read on behind it.
+Refused = Callable[[ProgramError], bool]
 #: After so many lines without a move the consumer gets a turn.
 _LINES_A_BREATH: Final = 1_000
+
+
+def _ends_it(_error: ProgramError) -> bool:
+    return False
 
 
 class Interpreter:
@@ -82,11 +88,15 @@ class Interpreter:
         self._handlers["cutter"] = self._compensate
         named.install(parameters, self._motion, self._frames, self._cutter, lambda: self._flow)
 
-    def run(self, lines: Iterable[str]) -> Generator[Move, Facts | None, None]:
+    def run(
+        self, lines: Iterable[str], refused: Refused | None = None
+    ) -> Generator[Move, Facts | None, None]:
         """Yield the program's moves; answer each barrier with ``send``.
 
         Args:
             lines: the program's lines, with or without their ends.
+            refused: told of a line that is refused; if it answers True, the program is read on
+                behind it, as if it were not there. What branches ends it all the same.
 
         Raises:
             ProgramError: a line is refused.
@@ -94,7 +104,7 @@ class Interpreter:
         source = Source(lines, self.setup.file)
         self._flow = Flow(source, self.parameters, self.setup)
         try:
-            yield from self._lines()
+            yield from self._lines(refused or _ends_it)
         except ProgramError as error:
             raise self._with_place(error) from error
 
@@ -138,7 +148,7 @@ class Interpreter:
 
     # Line by line
 
-    def _lines(self) -> Generator[Move, Facts | None, None]:
+    def _lines(self, refused: Refused) -> Generator[Move, Facts | None, None]:
         flow = self._flow
         motion, parameters = self._motion, self.parameters
         changes = parameters.changes
@@ -161,16 +171,20 @@ class Interpreter:
             if quiet > _LINES_A_BREATH:
                 quiet = 0
                 yield Breath(motion.line)
-            for move in self._line(text):
-                quiet = 0
-                if parameters.changes != changes:
-                    changes = parameters.changes
-                    yield Offsets(motion.line)
-                facts = yield move
-                if facts is not None or type(move) in BARRIERS:
-                    self._answer(move, facts)
-                if flow.idle_lines and self._gets_on(move):
-                    flow.idle_lines = 0
+            try:
+                for move in self._line(text):
+                    quiet = 0
+                    if parameters.changes != changes:
+                        changes = parameters.changes
+                        yield Offsets(motion.line)
+                    facts = yield move
+                    if facts is not None or type(move) in BARRIERS:
+                        self._answer(move, facts)
+                    if flow.idle_lines and self._gets_on(move):
+                        flow.idle_lines = 0
+            except ProgramError as error:
+                if self._branches(text) or not refused(self._with_place(error)):
+                    raise
         if not self._outputs.ended:
             yield from self._cutter.through(self._outputs.end(max(flow.source.line, 1)))
 
@@ -203,6 +217,12 @@ class Interpreter:
         if not text and not comment:
             return ()
         return self._execute(text, comment)
+
+    @staticmethod
+    def _branches(text: str) -> bool:
+        """Without this line nobody knows where the program goes on."""
+        squeezed = words.squeeze(text).lstrip("/")
+        return squeezed.startswith("o") or SUBPROGRAM.match(squeezed) is not None
 
     def _o_word(self, text: str) -> Moves:
         self._begun = True

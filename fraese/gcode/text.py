@@ -19,7 +19,7 @@ from typing import BinaryIO, Final
 from fraese.errors import ProgramError
 
 MAX_LINE: Final = 4096
-_WIDE_MARKS: Final = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+WIDE_MARKS: Final = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 #: What the system says of a name under which nothing can lie.
 _NOT_THERE: Final = (errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG)
 _FLAGS: Final = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
@@ -100,7 +100,7 @@ def lines_of(stream: BinaryIO, file: str) -> Generator[str, None, None]:
     """
     with stream:
         try:
-            wide = stream.peek(2)[:2] in _WIDE_MARKS  # type: ignore[attr-defined]
+            wide = stream.peek(2)[:2] in WIDE_MARKS  # type: ignore[attr-defined]
             encoding, errors = ("utf-16", "replace") if wide else ("utf-8-sig", "surrogateescape")
             with io.TextIOWrapper(stream, encoding, errors) as text_stream:
                 yield from _lines(text_stream, file)
@@ -129,3 +129,9 @@ def _repaired(text: str) -> str:
     except UnicodeEncodeError:
         return text.encode(errors="surrogateescape").decode("latin-1")
     return text
+
+
+def decoded(line: bytes) -> str:
+    """A line of a file that is not UTF-16, without its end."""
+    text = line.decode(errors="surrogateescape").removesuffix("\n").removesuffix("\r")
+    return text if text.isascii() else _repaired(text)

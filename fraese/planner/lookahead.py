@@ -33,7 +33,7 @@ from fraese.planner.timing import BlockMaker
 
 #: Segments, or seconds of motion, that arrive between two passes over the window.
 _BATCH: Final = 32
-_BATCH_S: Final = 0.1
+_BATCH_S: Final = 0.05
 #: Short segments are judged in runs of this many.
 _RUN: Final = 8
 #: What goes before the first segment, as far as short segments are concerned.
@@ -58,6 +58,7 @@ class Window:
         self._per_run_s = 1 / (_RUN * min_block_s) if min_block_s else UNLIMITED
         self._run_mm = deque([_LONG_MM] * _RUN, _RUN)
         self._override = 1.0
+        self._rapid2 = 1.0
         # Parallel to the segments: squared speeds, of the machine's limit, of the wanted cruise,
         # of the corner before the segment by the machine's limits, and with the wanted speeds.
         self._segments: list[Segment] = []
@@ -80,9 +81,10 @@ class Window:
     def __len__(self) -> int:
         return len(self._segments)
 
-    def set_override(self, factor: float) -> None:
-        """Scale the feeds of all that is not final, and of what comes."""
+    def set_override(self, factor: float, rapid: float = 1.0) -> None:
+        """Scale the feeds and the rapids of all that is not final, and of what comes."""
         self._override = factor
+        self._rapid2 = rapid * rapid
         self._cruise = [
             self._wanted(segment, top)
             for segment, top in zip(self._segments, self._top, strict=True)
@@ -100,10 +102,11 @@ class Window:
 
     def _wanted(self, segment: Segment, top: float) -> float:
         """Square of the cruise speed."""
-        wanted = segment.feed_mm_s * self._override
+        feed_mm_s = segment.feed_mm_s
+        wanted = feed_mm_s * self._override
         wanted *= wanted
         if wanted > top:
-            wanted = top
+            wanted = top if feed_mm_s != UNLIMITED else top * self._rapid2
         if self._limits.has_bands:
             wanted = self._limits.outside_bands_mm_s(segment, wanted**0.5) ** 2
         return wanted

@@ -16,7 +16,7 @@ Rule 4: memory does not grow with the length of the program, nor with that of an
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
-from fraese.blocks import OVERRIDES, Q8, Block, Outputs, Watch, dwell
+from fraese.blocks import OVERRIDES, Q8, RAPID_OVERRIDES, Block, Outputs, Watch, dwell
 from fraese.feedway import GROUPS
 from fraese.machine import Machine, Steps
 from fraese.planner.arcs import Point, arc_shape, planes_of
@@ -60,14 +60,14 @@ class Planner:
         self._maker = BlockMaker(machine)
         self._exact_stop = False
         self._tolerance_mm = 0.0
-        self._override = 1.0
+        self._override = self._rapid = 1.0
         self._keeps_feed = False
         self._begin_at(start_steps, slack_steps or (0,) * len(machine.axes))
 
     def _begin_at(self, position_steps: Steps, slack_steps: Steps) -> None:
         options = self._options
         window = Window(self._limits, self._maker, options.window, options.min_block_s)
-        window.set_override(self._override)
+        window.set_override(self._override, self._rapid)
         self._window = window
         self._targets = Targets(
             self._machine,
@@ -78,7 +78,7 @@ class Planner:
             slack_steps,
         )
         self._targets.exact_stop = self._exact_stop
-        self._targets.override = self._override
+        self._targets.override, self._targets.rapid = self._override, self._rapid
         self._targets.keeps_feed = self._keeps_feed
         self._chain = Chain()
         self._target_mm = self._machine.to_mm(position_steps)
@@ -291,20 +291,24 @@ class Planner:
         self._keeps_feed = self._targets.keeps_feed = not allowed
         return blocks
 
-    def set_override(self, factor: float) -> None:
-        """Scale the feeds (not the rapids) of all segments that are not final.
+    def set_override(self, factor: float, rapid: float = 1.0) -> None:
+        """Scale the feeds and the rapids of all segments that are not final.
 
         Args:
-            factor: 0.1 to 2.
+            factor: of feeds, 0.1 to 2.
+            rapid: of rapids, 0.1 to 1.
 
         Raises:
-            ValueError: if it is outside.
+            ValueError: if one is outside.
         """
         if not OVERRIDES[0] <= factor <= OVERRIDES[1]:
             raise ValueError("a feed override is {:g} to {:g}".format(*OVERRIDES))
+        if not RAPID_OVERRIDES[0] <= rapid <= RAPID_OVERRIDES[1]:
+            raise ValueError("an override of rapids is {:g} to {:g}".format(*RAPID_OVERRIDES))
         self._override = self._targets.override = factor
-        self._maker.override_q8 = round(factor * Q8)
-        self._window.set_override(factor)
+        self._rapid = self._targets.rapid = rapid
+        self._maker.override_q8, self._maker.rapid_q8 = round(factor * Q8), round(rapid * Q8)
+        self._window.set_override(factor, rapid)
 
     def reset(self, position_steps: Steps, slack_steps: Steps | None = None) -> None:
         """Forget what is not final: the machine stands at these axis steps.

@@ -32,6 +32,8 @@ from fraese.planner.arcs import Point
 from fraese.planner.measure import path_length_mm
 
 UNLIMITED: Final = math.inf
+#: A feed that no override acts on; what it is stands in ``top_mm_s``. Its square is unlimited.
+KEPT: Final = -math.inf
 #: A change of direction below this is none.
 _STRAIGHT: Final = 1e-12
 
@@ -49,7 +51,7 @@ class Segment(NamedTuple):
         shares: signed steps of every axis per mm of path, after rounding.
         course: way of every axis per mm of path, before rounding; mostly a unit vector.
         top_mm_s: never faster.
-        feed_mm_s: wanted, before override; infinite for a rapid.
+        feed_mm_s: wanted, before override; infinite for a rapid, see ``KEPT``.
         start_mm_s: speed at which every axis is at or below its start/stop rate.
         rest_mm_s: speed before the first tick from standstill, and after the last one.
         twice_mm_s2: two times the acceleration along the path.

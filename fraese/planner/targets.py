@@ -13,6 +13,7 @@ Rule 3: a long move is cut in step space, each cut the step nearest to the line.
 import math
 from collections.abc import Iterator
 from operator import sub
+from typing import Final
 
 from fraese.blocks import Block, Outputs, Watch
 from fraese.machine import Machine, Steps
@@ -20,7 +21,10 @@ from fraese.planner.arcs import Point
 from fraese.planner.backlash import followed, take_up
 from fraese.planner.lookahead import Window
 from fraese.planner.rounding import point_rounder
-from fraese.planner.segments import UNLIMITED, Limits, Segment
+from fraese.planner.segments import KEPT, UNLIMITED, Limits, Segment
+
+#: Parts that differ by less are as many.
+_SAME: Final = 1e-9
 
 
 class Targets:
@@ -40,6 +44,7 @@ class Targets:
         outputs: change that waits for a segment.
         exact_stop: the next corner is passed no faster than the start/stop rates.
         override: factor of feeds; only to know what is a long move.
+        rapid: factor of rapids, likewise.
         keeps_feed: no override acts on what is planned now.
         streaming: a long move is on its way, and not all of its blocks were taken.
     """
@@ -65,7 +70,7 @@ class Targets:
         self.slack_steps = slack_steps
         self.outputs: Outputs | None = None
         self.exact_stop = False
-        self.override = 1.0
+        self.override = self.rapid = 1.0
         self.keeps_feed = False
         self.streaming = False
 
@@ -93,9 +98,8 @@ class Targets:
         at = self.reached_steps
         if there == at:
             return None
-        if self.keeps_feed:
-            # As a rapid is: only that its highest speed is the feed.
-            feed_mm_s, top_mm_s = UNLIMITED, min(feed_mm_s, top_mm_s)
+        if self.keeps_feed and feed_mm_s != UNLIMITED:
+            feed_mm_s, top_mm_s = KEPT, min(feed_mm_s, top_mm_s)
         if self._are_three:
             # What most machines have, and every line of a program comes by: written out.
             x, y, z = there
@@ -114,24 +118,34 @@ class Targets:
         segment = self._limits.segment(steps, way_mm, feed_mm_s, top_mm_s, outputs, tag, watch)
         if outputs is not None:
             self.outputs = None
-        longest_mm = min(feed_mm_s * self.override, segment.top_mm_s) * self._max_block_s
-        if segment.length_mm > longest_mm and watch is None:
+        if watch is None and segment.length_mm > self._longest_mm(segment):
             self.streaming = True
-            parts = math.ceil(segment.length_mm / longest_mm)
-            return self._in_parts(segment, way_mm, min(parts, segment.ticks))
+            return self._in_parts(segment, way_mm)
         self._window.append(segment, self.exact_stop)
         return None
 
-    def _in_parts(self, whole: Segment, way_mm: Point, parts: int) -> Iterator[Block]:
+    def _longest_mm(self, segment: Segment) -> float:
+        """How far it goes in a block, as fast as it is wanted now."""
+        feed_mm_s = segment.feed_mm_s
+        factor = self.rapid if feed_mm_s == UNLIMITED else 1.0
+        fastest_mm_s = min(abs(feed_mm_s) * self.override, segment.top_mm_s * factor)
+        return fastest_mm_s * self._max_block_s
+
+    def _in_parts(self, whole: Segment, way_mm: Point) -> Iterator[Block]:
         done: Steps = (0,) * len(whole.steps)
         exact_stop, outputs, window = self.exact_stop, whole.outputs, self._window
-        way_mm = tuple([mm / parts for mm in way_mm])
-        for part in range(1, parts + 1):
-            there = tuple([(2 * n * part + parts) // (2 * parts) for n in whole.steps])
+        ticks, at = whole.ticks, 0
+        while at < ticks:
+            # Equal parts of what is left; an override that has changed since makes other ones.
+            share = self._longest_mm(whole) / whole.length_mm
+            parts = min(ticks - at, math.ceil((ticks - at) / (ticks * share) - _SAME))
+            before, at = at, at + -(-(ticks - at) // max(1, parts))
+            there = tuple([(2 * n * at + ticks) // (2 * ticks) for n in whole.steps])
             steps = tuple(map(sub, there, done))
             done = there
+            part_mm = tuple([mm * (at - before) / ticks for mm in way_mm])
             segment = self._limits.segment(
-                steps, way_mm, whole.feed_mm_s, whole.top_mm_s, outputs, whole.tag
+                steps, part_mm, whole.feed_mm_s, whole.top_mm_s, outputs, whole.tag
             )
             window.append(segment, exact_stop)
             exact_stop, outputs = False, None

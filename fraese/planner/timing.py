@@ -11,7 +11,7 @@ from typing import Final
 from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece, few_bits
 from fraese.machine import Machine
 from fraese.planner.ramps import interval_q8, time_law
-from fraese.planner.segments import UNLIMITED, Segment
+from fraese.planner.segments import KEPT, UNLIMITED, Segment
 
 #: Path energy is counted in (mm / 65536 / s)**2, an integer for every machine.
 WEIGHT_PER_MM2: Final = 65536**2
@@ -34,8 +34,8 @@ class BlockMaker:
     def __init__(self, machine: Machine) -> None:
         self._signs = tuple(axis.motor_sign for axis in machine.axes)
         self._straight = all(sign == 1 for sign in self._signs)
-        #: Feed override that segments are planned with, 256 for 100 %.
-        self.override_q8 = Q8
+        #: Overrides that segments are planned with, 256 for 100 %: of feeds, and of rapids.
+        self.override_q8 = self.rapid_q8 = Q8
 
     def block(
         self, segment: Segment, entry_mm2_s2: float, cruise_mm2_s2: float, exit_mm2_s2: float
@@ -73,13 +73,17 @@ class BlockMaker:
         weight = int(WEIGHT_PER_MM2 / (per_mm * per_mm) + 0.5) or 1
         ends_at_rest = pieces[-1].last_interval_q8() * start_hz * _SAME >= CYCLES_PER_S * Q8
         watch, outputs, tag = segment.watch, segment.outputs, segment.tag
-        override_q8 = 0 if segment.feed_mm_s == UNLIMITED else self.override_q8
+        is_rapid = segment.feed_mm_s == UNLIMITED
+        if is_rapid:
+            override_q8 = self.rapid_q8
+        else:
+            override_q8 = 0 if segment.feed_mm_s == KEPT else self.override_q8
         # Keywords cost twice as much: every value has the name of its field, see the tests.
         block: Block = _new(
             Block,
             (
                 steps, pieces, accel_q, jump_rate_q8, weight, ends_at_rest, watch, outputs, tag,
-                override_q8,
+                override_q8, is_rapid,
             ),
         )  # fmt: skip
         return block

@@ -4,11 +4,13 @@ Rule 1: the same interpreter and the same planner as for the run; nothing is est
 Rule 2: what leaves the travel is a warning here, with its line; who wants to run the program
         refuses it.
 Rule 3: memory does not grow with the length of the file.
+Rule 4: a line that is refused does not hide those behind it; nothing is planned any more then.
 """
 
 import math
-from collections.abc import Generator, Iterator, Sequence
-from dataclasses import dataclass, field
+import time
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from operator import sub
 from typing import Final
 
@@ -19,16 +21,25 @@ from fraese.gcode import canon
 from fraese.gcode.extents import arc_extent
 from fraese.machine import Millimetres
 from fraese.motor.seams import Report
-from fraese.planner.lines import planned_s
 from fraese.planner.ramps import SLOWEST_HZ
 from fraese.program.context import ProgramContext
+from fraese.program.outline import Outline, OutlineMaker
 from fraese.program.source import ProgramSource
 from fraese.program.taken import Taken
+from fraese.program.timetable import Timetable, TimetableMaker
 from fraese.program.translate import Moves, Translation
 from fraese.workframe import Point
 
 #: More are counted, not kept.
 _MOST_WARNINGS: Final = 20
+#: With more refused lines the rest is not worth reading.
+_MOST_ERRORS: Final = 50
+#: Between two words about how far it is.
+_TELL_S: Final = 0.1
+#: So many moves between two looks at the clock.
+_LOOKS: Final = 200
+#: What else than a motion may ask for something.
+_WANTING: Final = frozenset({canon.Tool, canon.Spindle, canon.Pause, canon.Probe})
 #: Who goes further out, in travels of an axis, means no place: planning it would take for ever.
 _LOST_TRAVELS: Final = 100
 
@@ -39,6 +50,59 @@ class Complaint:
 
     line: int
     message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Wants:
+    """What a program asks of the machine and of whoever stands at it.
+
+    Attributes:
+        tools: numbers, in the order in which they are first put in.
+        spindle_rev_min: lowest and highest speed that it is switched on with; None: never.
+        stops: so often it waits for a person, M0 and tools; M1 is counted apart.
+        optional_stops: so often at M1.
+        probes: so often it probes.
+    """
+
+    tools: tuple[int, ...] = ()
+    spindle_rev_min: tuple[float, float] | None = None
+    stops: int = 0
+    optional_stops: int = 0
+    probes: int = 0
+
+    def taking(self, move: canon.Move) -> "Wants":
+        """With one more move that may want something."""
+        if isinstance(move, canon.Tool):
+            new = move.number not in self.tools
+            tools = (*self.tools, move.number) if new else self.tools
+            return replace(self, tools=tools, stops=self.stops + 1)
+        if isinstance(move, canon.Spindle) and move.direction:
+            low, high = self.spindle_rev_min or (math.inf, 0.0)
+            speeds = min(low, move.rev_min), max(high, move.rev_min)
+            return replace(self, spindle_rev_min=speeds)
+        if isinstance(move, canon.Pause):
+            if move.optional:
+                return replace(self, optional_stops=self.optional_stops + 1)
+            return replace(self, stops=self.stops + 1)
+        if isinstance(move, canon.Probe):
+            return replace(self, probes=self.probes + 1)
+        return self
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """How far a look-through is.
+
+    Attributes:
+        lines: read so far.
+        outline: of what was read; None: no newer one than before.
+    """
+
+    lines: int
+    outline: Outline | None = None
+
+
+Tell = Callable[[Stage], object]
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +119,9 @@ class Facts:
         lines: lines read.
         blocks: blocks planned; 0 if it was not planned.
         notes: what is passed over in it.
+        wants: what it asks for.
+        outline: where the tool goes.
+        timetable: when it comes to which move; None: it was not planned to its end.
     """
 
     errors: tuple[Complaint, ...]
@@ -66,6 +133,9 @@ class Facts:
     lines: int
     blocks: int
     notes: tuple[Complaint, ...] = ()
+    wants: Wants = Wants()
+    outline: Outline | None = field(default=None, compare=False)
+    timetable: Timetable | None = field(default=None, compare=False)
 
     @classmethod
     def refused(cls, message: str) -> "Facts":
@@ -91,6 +161,9 @@ class Survey:
         outside: where they leave the travel.
         notes: what the interpreter tells of them.
         is_lost: one goes so far out that nothing more is to be planned.
+        drawing: collects the outline; None: nobody wants it.
+        wants: what was asked for so far.
+        moves: so many moves have passed.
     """
 
     context: ProgramContext
@@ -99,6 +172,9 @@ class Survey:
     outside: list[Complaint] = field(default_factory=list)
     notes: list[Complaint] = field(default_factory=list)
     is_lost: bool = False
+    drawing: OutlineMaker | None = None
+    wants: Wants = field(default_factory=Wants)
+    moves: int = 0
 
     def __post_init__(self) -> None:
         self._at: Point = self.context.start_mm
@@ -119,10 +195,16 @@ class Survey:
                 move = moves.send(facts)
             except StopIteration:
                 return
-            if type(move) in kinds:
+            kind = type(move)
+            # Numbered as for the run: a breath is no move of the program.
+            if kind is not canon.Breath:
+                self.moves += 1
+            if kind in kinds:
                 self._take(move)
-            elif isinstance(move, canon.Message) and move.kind == "note":
+            if isinstance(move, canon.Message) and move.kind == "note":
                 self.notes.append(Complaint(*self.source.complaint(move.line, move.text)))
+            if kind in _WANTING:
+                self.wants = self.wants.taking(move)
             facts = yield move
 
     def guard(self, moves: Moves, file: str) -> Moves:
@@ -154,6 +236,8 @@ class Survey:
                 return
             way = axes.way(before, low)
             length_mm = 0.0 if way.is_angle else way.length
+        if self.drawing is not None:
+            self.drawing.take(move, self.moves)  # type: ignore[arg-type]
         self._at = move.to  # type: ignore[union-attr]
         self.length_mm += length_mm
         if isinstance(move, canon.Feed | canon.Arc):
@@ -199,42 +283,103 @@ class Survey:
             self.outside.append(Complaint(*self.source.complaint(line, said)))
 
 
-def check_program(taken: Taken, context: ProgramContext, *, plan: bool = True) -> Facts:
+class _Teller:
+    """Says now and then how far it is: how many lines often, the outline ever more rarely."""
+
+    def __init__(self, survey: Survey, tell: Tell | None) -> None:
+        self._survey = survey
+        self._tell = tell
+        self._told_s = self._began_s = self._drawn_s = time.monotonic()
+
+    def passing(self, moves: Moves) -> Moves:
+        """Pass everything on, both ways."""
+        facts: canon.Facts | None = None
+        count = 0
+        while True:
+            try:
+                move = moves.send(facts)
+            except StopIteration:
+                return
+            count += 1
+            if not count % _LOOKS:
+                self._look()
+            facts = yield move
+
+    def _look(self) -> None:
+        now_s, survey = time.monotonic(), self._survey
+        if self._tell is None or now_s - self._told_s < _TELL_S:
+            return
+        self._told_s = now_s
+        outline = None
+        if survey.drawing is not None and now_s - self._began_s > 2 * (
+            self._drawn_s - self._began_s
+        ):
+            self._drawn_s = now_s
+            outline = survey.drawing.outline()
+        self._tell(Stage(survey.source.lines_read, outline))
+
+
+def check_program(
+    taken: Taken, context: ProgramContext, *, plan: bool = True, tell: Tell | None = None
+) -> Facts:
     """Look a program through.
 
     Args:
         taken: its files.
         context: the machine as the program finds it.
         plan: plan the motion too, up to where it is lost; else duration and blocks stay 0.
+        tell: told how far it is.
     """
     source = ProgramSource(taken, context)
-    survey = Survey(context, source)
-    errors: list[Complaint] = []
-    duration_s, blocks = 0.0, 0
+    drawing = OutlineMaker(context.machine.names, context.start_mm)
+    survey = Survey(context, source, drawing=drawing)
+    errors = _Errors(taken)
+    timetable, blocks = TimetableMaker(), 0
     try:
-        moves = survey.watch(source.moves())
+        moves = survey.watch(source.moves(errors.take))
+        if tell is not None:
+            moves = _Teller(survey, tell).passing(moves)
         if plan:
             for block in _planned(Translation(context, None), moves):
-                if survey.is_lost:
+                if survey.is_lost or errors.found:
                     break
-                duration_s += planned_s(block)
+                timetable.take(block)
                 blocks += 1
         for _ in moves:
             pass
     except ProgramError as error:
-        errors.append(Complaint(*error.in_program(taken.main.file)))
+        errors.take(error)
     moved = survey.low[0] <= survey.high[0]
+    whole = plan and not survey.is_lost and not errors.found
     return Facts(
-        errors=tuple(errors),
+        errors=tuple(errors.found),
         outside=tuple(survey.outside),
         low_mm=tuple(survey.low) if moved else None,
         high_mm=tuple(survey.high) if moved else None,
-        duration_s=duration_s,
+        duration_s=timetable.total_s,
         length_mm=survey.length_mm,
         lines=source.lines_read,
         blocks=blocks,
         notes=tuple(survey.notes),
+        wants=survey.wants,
+        outline=drawing.outline(),
+        timetable=timetable.timetable() if whole else None,
     )
+
+
+class _Errors:
+    """Lines that were refused, each once."""
+
+    def __init__(self, taken: Taken) -> None:
+        self._file = taken.main.file
+        self.found: list[Complaint] = []
+
+    def take(self, error: ProgramError) -> bool:
+        """One more; whether it is worth reading on."""
+        complaint = Complaint(*error.in_program(self._file))
+        if complaint not in self.found:
+            self.found.append(complaint)
+        return len(self.found) < _MOST_ERRORS
 
 
 def _planned(translation: Translation, moves: Moves) -> Iterator[Block]:

@@ -87,6 +87,11 @@ class Content:
         """
         return lines_of(self.open(), self.file)
 
+    def starts_with(self, marks: tuple[bytes, ...]) -> bool:
+        """Whether it begins with one of these."""
+        head = bytearray(max(map(len, marks)))
+        return bytes(head[: self.read_at(0, memoryview(head))]).startswith(marks)
+
     def read_at(self, at: int, into: memoryview) -> int:
         """Fill a buffer from a place on; how many bytes there were."""
         with self._lock:

@@ -39,6 +39,7 @@ class ProgramContext:
         slack_steps: backlash between motor and carriage.
         referenced: per axis; only then the soft limits count.
         parameters: persistent parameters of the language.
+        block_delete: lines that begin with a slash are left out.
     """
 
     config: Config
@@ -47,6 +48,7 @@ class ProgramContext:
     slack_steps: Steps
     referenced: tuple[bool, ...]
     parameters: Mapping[int, float]
+    block_delete: bool = False
 
     @classmethod
     def of(cls, controller: Controller) -> "ProgramContext":
@@ -59,6 +61,7 @@ class ProgramContext:
             slack_steps=position.slack_steps,
             referenced=position.referenced,
             parameters=position.offsets.parameters,
+            block_delete=controller.handling.block_delete,
         )
 
     @property
@@ -86,7 +89,7 @@ class ProgramContext:
             parameters=dict(self.parameters),
             tools=tools or None,
             tool=int(self.parameters.get(TOOL_NUMBER, 0.0)),
-            block_delete=self.config.run.block_delete,
+            block_delete=self.block_delete,
             file=taken.main.file,
             folders=(taken.path.parent, *self.config.run.folders),
             ignored_m_codes=frozenset(self.config.run.ignored_m_codes),

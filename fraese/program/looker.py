@@ -1,7 +1,7 @@
 """A program looked through in a process of its own, ``lookthrough.py``: it can be ended.
 
     asks     file, its bytes ... | question  -->  standard input of the other
-    answers  what was found, files it took   <--  its standard output
+    answers  how far it is ... | what was found, files it took   <--  its standard output
 
 Rule 1: it is ended at any moment, and never outlives who asks: a thread of its own hears when
         standard input ends.
@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import IO, Any, Final
 
 from fraese.errors import Cancelled, ProgramError
-from fraese.program.check import Facts
+from fraese.program.check import Facts, Stage, Tell
 from fraese.program.content import Content, Stamp, taken_from
 from fraese.program.context import ProgramContext
 from fraese.program.taken import Taken
@@ -55,8 +55,13 @@ class Looker:
         """What was given up before does not count for the next question."""
         self._given_up = False
 
-    def look(self, context: ProgramContext, *, plan: bool = True) -> Facts:
+    def look(self, context: ProgramContext, *, plan: bool = True, tell: Tell) -> Facts:
         """Look it through; from any thread.
+
+        Args:
+            context: the machine as it stands.
+            plan: plan the motion too.
+            tell: told how far it is, in this thread.
 
         Raises:
             ProgramError: the other process died.
@@ -64,7 +69,7 @@ class Looker:
         """
         process = self._started()
         try:
-            facts = self._ask(process, context, plan)
+            facts = self._ask(process, context, plan, tell)
         except _GONE as error:
             self.close()
             if self._given_up:
@@ -103,7 +108,7 @@ class Looker:
             return self._process
 
     def _ask(
-        self, process: "subprocess.Popen[bytes]", context: ProgramContext, plan: bool
+        self, process: "subprocess.Popen[bytes]", context: ProgramContext, plan: bool, tell: Tell
     ) -> Facts:
         to, back, taken = process.stdin, process.stdout, self._taken
         assert to is not None
@@ -115,6 +120,9 @@ class Looker:
         pickle.dump((context, plan), to)
         to.flush()
         while type(said := pickle.load(back)) is not Facts:
+            if isinstance(said, Stage):
+                tell(said)
+                continue
             path, announced = said
             taken.files[path] = receive_file(back, announced)
             self._known.add(path)

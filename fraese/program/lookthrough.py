@@ -6,9 +6,11 @@ import queue
 import sys
 import threading
 from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 from typing import BinaryIO
 
-from fraese.program.check import Facts, check_program
+from fraese.program.check import Facts, Stage, Tell, check_program
 from fraese.program.context import ProgramContext
 from fraese.program.looker import receive_file, send_file
 from fraese.program.taken import Taken
@@ -27,11 +29,15 @@ def main(most_bytes: int) -> None:
     while True:
         taken, context, plan = asked.get()
         before = set(taken.files)
-        facts = _looked(taken, context, plan, most_bytes)
+        facts = _looked(taken, context, plan, most_bytes, partial(_say, out))
         for path in taken.files.keys() - before:
             send_file(out, path, taken.files[path])
-        pickle.dump(facts, out)
-        out.flush()
+        _say(out, facts)
+
+
+def _say(out: BinaryIO, said: Facts | Stage) -> None:
+    pickle.dump(said, out)
+    out.flush()
 
 
 def _hear(stream: BinaryIO, put: Callable[[tuple[Taken, ProgramContext, bool]], None]) -> None:
@@ -53,9 +59,11 @@ def _hear(stream: BinaryIO, put: Callable[[tuple[Taken, ProgramContext, bool]], 
         os._exit(0)
 
 
-def _looked(taken: Taken, context: ProgramContext, plan: bool, most_bytes: int) -> Facts:
+def _looked(
+    taken: Taken, context: ProgramContext, plan: bool, most_bytes: int, tell: Tell
+) -> Facts:
     try:
-        return check_program(taken, context, plan=plan)
+        return check_program(taken, context, plan=plan, tell=tell)
     except MemoryError:
         return Facts.refused(
             f"to look it through would need more than {most_bytes >> 20} MB of memory."
@@ -68,7 +76,17 @@ def _bound_memory(most_bytes: int) -> None:
         import resource
     except ImportError:  # no such bounds here
         return
-    resource.setrlimit(resource.RLIMIT_AS, (most_bytes, most_bytes))
+    bound = most_bytes + _taken_already()
+    resource.setrlimit(resource.RLIMIT_AS, (bound, bound))
+
+
+def _taken_already() -> int:
+    """Bytes that the interpreter and its libraries reserve, whatever is looked through."""
+    try:
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+    except (OSError, ValueError, IndexError):
+        return 0
+    return pages * os.sysconf("SC_PAGE_SIZE")
 
 
 if __name__ == "__main__":

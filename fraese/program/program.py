@@ -1,9 +1,8 @@
 """Program files: look through, run, run from a line, drive round the frame."""
 
-from collections.abc import Sequence
-from contextlib import closing
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property
-from itertools import islice
 from pathlib import Path
 from typing import Final
 
@@ -11,12 +10,14 @@ from fraese.control.controller import Controller
 from fraese.control.jobs import STANDSTILL, Job
 from fraese.control.retract import Retract
 from fraese.errors import LimitError, ProgramError, StateError
+from fraese.gcode.colours import Part, parts_of
 from fraese.log import logged
 from fraese.machine import Millimetres
-from fraese.program.check import Facts, Survey, check_program
+from fraese.program.check import Facts, Stage, Survey, check_program
 from fraese.program.context import ProgramContext
 from fraese.program.interrupted import Interrupted, JobNote
 from fraese.program.kept import KeptPrograms
+from fraese.program.lineindex import LineIndex
 from fraese.program.looker import Looker
 from fraese.program.offsethistory import OffsetHistory
 from fraese.program.runfromline import Beginning, Place
@@ -31,8 +32,6 @@ _ROUND: Final[dict[int, tuple[tuple[int, ...], ...]]] = {
     1: ((0,), (1,), (0,)),
     2: ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0)),
 }
-#: Lines shown to people; behind that the text is cut.
-_MOST_SHOWN_LINES = 200_000
 #: Behind what became of a file.
 _AS_OPENED: Final = " What runs is what it held when it was opened."
 
@@ -48,6 +47,8 @@ class Program:
     Attributes:
         path: where it was.
         name: for people.
+        facts: what the last look-through found, also of a program that was refused.
+        stage: how far one is that goes on; None: none does.
     """
 
     def __init__(
@@ -60,6 +61,8 @@ class Program:
         self._looker = Looker(taken) if apart else None
         # What was found, and how the machine stood then.
         self._looked: tuple[ProgramContext, Facts] | None = None
+        self.facts: Facts | None = None
+        self.stage: Stage | None = None
 
     @property
     def content_hash(self) -> str:
@@ -68,13 +71,22 @@ class Program:
 
     @cached_property
     def lines(self) -> Sequence[str]:
-        """Its text, for people.
+        """Its text, for people; read where it is looked at.
 
         Raises:
             ProgramError: if it is not text.
         """
-        with closing(self.taken.main.lines()) as lines:
-            return list(islice(lines, _MOST_SHOWN_LINES))
+        return LineIndex(self.taken.main)
+
+    @cached_property
+    def _is_gcode(self) -> bool:
+        return self.taken.kind == "gcode"
+
+    def parts(self, line: str) -> list[tuple[str, str]]:
+        """A line in parts: of which kind each is, see ``gcode.colours``, and its text."""
+        if not self._is_gcode:
+            return [(Part.PLAIN.value, line)]
+        return [(part.value, text) for part, text in parts_of(line)]
 
     def news(self) -> str:
         """What became of the file since it was opened, a sentence; empty: nothing."""
@@ -98,16 +110,27 @@ class Program:
             Cancelled: if it was given up.
         """
         self._looked = None
-        if self._looker is None:
-            facts = check_program(self.taken, context, plan=plan)
-        else:
-            facts = self._looker.look(context, plan=plan)
+        self.stage = Stage(0)
+        try:
+            if self._looker is None:
+                facts = check_program(self.taken, context, plan=plan, tell=self._is_at)
+            else:
+                facts = self._looker.look(context, plan=plan, tell=self._is_at)
+        finally:
+            self.stage = None
+        self.facts = facts
         for refused in facts.errors:
             raise ProgramError(refused.message, refused.line, str(self.path))
         for outside in facts.outside:
             raise LimitError(f"{self.path}, line {outside.line}: {outside.message}")
         self._looked = context, facts
         return facts
+
+    def _is_at(self, stage: Stage) -> None:
+        """How far the look-through is; an outline stays until there is a newer one."""
+        if stage.outline is None and self.stage is not None:
+            stage = replace(stage, outline=self.stage.outline)
+        self.stage = stage
 
     def check(self, controller: Controller, *, plan: bool = True) -> Facts:
         """Look it through as this machine would run it now.
@@ -164,7 +187,6 @@ class Program:
         if past is not None:
             translation.answers |= past.facts()
         history = OffsetHistory(controller, source, translation)
-
         told = self.news()
         # Who goes on with it has read that before.
         news = told if past is None else ""
@@ -186,6 +208,7 @@ class Program:
             job(),
             lines=facts.lines if facts else lines,
             expected_s=facts.duration_s if facts else 0.0,
+            plan=facts.timetable if facts else None,
             detour=Retract(controller.position, retract_mm)
             if (retract_mm := context.retract_mm())
             else None,
@@ -218,7 +241,8 @@ class Program:
             StateError: if the machine is not ready.
         """
         _require_reference(ProgramContext.of(controller))
-        facts = self.check(controller, plan=False)
+        known = self.question(controller) is None and self._looked is not None
+        facts = self._looked[1] if known and self._looked else self.check(controller, plan=False)
         if facts.low_mm is None or facts.high_mm is None:
             raise ProgramError("nothing moves in this program.", file=str(self.path))
         context = ProgramContext.of(controller)
@@ -248,13 +272,26 @@ class Program:
         return Beginning(ProgramSource(self.taken, found), found, now, place, past.facts())
 
     def way_from(self, controller: Controller, from_line: int) -> list[str]:
-        """What a start in the middle would do, in words; nothing moves.
+        """What a start in the middle would do; as ``way_lines``."""
+        return self.way_lines(ProgramContext.of(controller), from_line)
+
+    def stands(self, controller: Controller) -> ProgramContext:
+        """The machine as it stands, for ``way_lines``; in the machine's thread."""
+        return ProgramContext.of(controller)
+
+    def way_lines(
+        self,
+        context: ProgramContext,
+        from_line: int,
+        given_up: Callable[[], bool] = lambda: False,
+    ) -> list[str]:
+        """What a start in the middle would do, in words; from any thread, may take long.
 
         Raises:
             ProgramError: if there is nothing to run there, or a line before it is refused.
+            Cancelled: if it was given up.
         """
-        begun = self.begun(ProgramContext.of(controller), from_line)
-        return way_of(begun).lines(self.name)
+        return way_of(self.begun(context, from_line), given_up).lines(self.name)
 
 
 def _frame_of(

@@ -5,7 +5,7 @@ from contextlib import closing
 
 from fraese.gcode.axes import Axes
 from fraese.gcode.coordlist import read_points
-from fraese.gcode.interpreter import Interpreter
+from fraese.gcode.interpreter import Interpreter, Refused
 from fraese.gcode.modal import Modal
 from fraese.program.context import ProgramContext
 from fraese.program.taken import Taken
@@ -38,8 +38,11 @@ class ProgramSource:
         self.start_mm = self._setup.position_mm
         self.default_feed_mm_min = context.config.run.default_feed_mm_min
 
-    def moves(self) -> Moves:
+    def moves(self, refused: Refused | None = None) -> Moves:
         """The canonical moves; barriers want an answer.
+
+        Args:
+            refused: see ``Interpreter.run``.
 
         Raises:
             ProgramError: a file cannot be read, or a line is refused.
@@ -47,7 +50,7 @@ class ProgramSource:
         with closing(self._taken.main.lines()) as file_lines:
             lines = self._counted(file_lines)
             if self._taken.kind == "gcode":
-                yield from self._interpreter.run(lines)
+                yield from self._interpreter.run(lines, refused)
             else:
                 unit = self._context.config.run.list_unit
                 points = read_points(lines, self._setup, unit, self.default_feed_mm_min)

@@ -9,6 +9,7 @@ Rule 4: a probe that shares the end switches' input still touches when its move 
 """
 
 from collections.abc import Callable, Generator, Iterable, Mapping
+from dataclasses import replace
 from typing import Any, Final
 
 from fraese import alarms
@@ -26,6 +27,8 @@ from fraese.workframe import Point
 Moves = Generator[canon.Move, canon.Facts | None, None]
 Part = Generator[Demand, Report, canon.Facts | None]
 
+#: Blocks of what is only looked through are at most so long: no override has to act on them.
+_LOOKED_BLOCK_S: Final = 1.0
 _DIRECTIONS: Final = {1: "clockwise", -1: "counter-clockwise"}
 
 
@@ -79,16 +82,22 @@ class Translation:
     def __init__(self, context: ProgramContext, controller: Controller | None) -> None:
         self._context = context
         self._controller = controller
-        self._override = 1.0
+        self._handling = None if controller is None else controller.handling
+        # Overrides that the planner knows: of feeds, of rapids.
+        self._factors = (1.0, 1.0)
+        # Line of the last motion; 0: none yet.
+        self._line = 0
         self._has_turned = False
         self._probed_way: tuple[float, ...] = ()
         self.numbers = Numbers()
         self.answers: dict[int, canon.Facts] = {}
         self.visited: Callable[[], Mapping[int, float]] = dict
         self.visited_at = 0
-        self.planner = Planner(
-            context.machine, context.start_steps, context.options(), context.slack_steps
-        )
+        options = context.options()
+        if controller is None:
+            # Nobody changes an override while it is only looked through.
+            options = replace(options, max_block_s=max(options.max_block_s, _LOOKED_BLOCK_S))
+        self.planner = Planner(context.machine, context.start_steps, options, context.slack_steps)
 
     def blocks(self, moves: Moves) -> Job:
         """A job of all moves; ends at rest, everything pushed but not yet played.
@@ -100,6 +109,7 @@ class Translation:
         line, rows, numbers = self.planner.line, _ROWS, self.numbers
         feed, rapid = canon.Feed, canon.Rapid
         facts: canon.Facts | None = None
+        self._follow_override()
         while True:
             try:
                 move: Any = moves.send(facts)
@@ -108,6 +118,8 @@ class Translation:
             facts = None
             high = numbers.high = numbers.high + numbers.stride
             kind = type(move)
+            if move.line != self._line and kind in canon.MOTIONS:
+                yield from self._wait_for_line(move)
             if kind is not feed and kind is not rapid:
                 facts = yield from rows[kind](self, move)
                 if facts is not None:
@@ -122,14 +134,25 @@ class Translation:
             self._follow_override()
         yield from _each(self.planner.finish())
 
+    def _wait_for_line(self, move: canon.Move) -> Part:
+        """A line that moves begins: one by one, if that is wanted."""
+        before, self._line = self._line, move.line
+        if before and self._handling is not None and self._handling.single_block:
+            yield from _each(self.planner.drain())
+            yield Ask(f"Single block: line {move.line} comes next.", admits=False)
+        return None
+
     def _tag(self, move: canon.Move) -> int:
         """Names the move in the driver's reports."""
         return self.numbers.high | move.line
 
     def _follow_override(self) -> None:
-        if self._controller is not None and self._controller.override != self._override:
-            self._override = self._controller.override
-            self.planner.set_override(self._override)
+        handling = self._handling
+        if handling is not None:
+            wanted = (handling.feed, handling.rapid)
+            if wanted != self._factors:
+                self._factors = wanted
+                self.planner.set_override(*wanted)
 
     # --- moves ---------------------------------------------------------------------------------
 
@@ -212,7 +235,7 @@ class Translation:
     # --- barriers ------------------------------------------------------------------------------
 
     def _pause(self, move: canon.Pause) -> Part:
-        if move.optional and not self._context.config.run.optional_stop:
+        if move.optional and not (self._handling and self._handling.optional_stop):
             return None
         return (yield from self._ask(f"Program stop in line {move.line}: go on?", move))
 

@@ -40,7 +40,7 @@ from fraese.ui.keys import PALETTE, STOP_BYTE_KEY, STOP_KEYS, Area, KeyTable
 from fraese.ui.linehistory import LineHistory
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.messages import Alarmed, Noted, Refused
-from fraese.ui.programs import OpenProgram, ProgramDesk, Resume, nothing_is_kept
+from fraese.ui.programs import OpenProgram, ProgramDesk, Recent, Resume, nothing_is_kept
 from fraese.ui.questions import Questions
 from fraese.ui.settled import freeze
 from fraese.ui.stopkey import EarlyStop, Heard
@@ -65,6 +65,7 @@ class FraeseApp(ViewedApp):
         controller: owned by the app's worker thread until the app has ended, and closed then.
         open_program: reads a program file; called in a thread of its own.
         resume: how the program that was cut short is gone on with; called in the machine's thread.
+        recent: which programs were opened last; None: nobody keeps that.
         notes: sentences to show at the start.
         program: file to open at the start.
         machine_name: which machine is driven, such as "simulated mill"; shown in the title.
@@ -81,7 +82,7 @@ class FraeseApp(ViewedApp):
     """
 
     TITLE = "fraese"
-    CSS_PATH = "fraese.tcss"
+    CSS_PATH = ["fraese.tcss", "program.tcss"]  # noqa: RUF012
     COMMAND_PALETTE_BINDING = PALETTE.keys
     DEFAULT_MODE = next(iter(VIEWS))
 
@@ -91,6 +92,7 @@ class FraeseApp(ViewedApp):
         *,
         open_program: OpenProgram,
         resume: Resume = nothing_is_kept,
+        recent: Recent | None = None,
         notes: Sequence[str] = (),
         program: Path | None = None,
         machine_name: str = "",
@@ -124,7 +126,7 @@ class FraeseApp(ViewedApp):
         self._drawn_at_s = 0.0
         self._draw_planned = False
         bind(self, self._keys.of(Area.EVERYWHERE))
-        self._programs = ProgramDesk(open_program, program, resume)
+        self._programs = ProgramDesk(open_program, program, resume, recent)
         self._events = EventLog()
         self.make_views(
             views,

@@ -21,6 +21,7 @@ from fraese.ui.keyrows import byhand, frame
 from fraese.ui.keyrows.bench import BENCH
 from fraese.ui.keyrows.calibrate import CALIBRATE, CALIBRATE_DIALOGS
 from fraese.ui.keyrows.dialogs import AFTER_AXES, BEFORE_AXES
+from fraese.ui.keyrows.program import PROGRAM, RAPIDS, RUNNING
 from fraese.ui.keyrows.row import Area as Area
 from fraese.ui.keyrows.row import Row as Row
 from fraese.ui.shape import AxisShape, Shape
@@ -91,14 +92,7 @@ _REST: Final = (
         Area.MACHINE, "A", "A", "zero('')", "Zero all",
         "Let the work zero of all axes be here.", "Position",
     ),
-    Row(
-        Area.MACHINE, "o", "o", "open", "Open program …",
-        "Choose a program file; it is read and checked.", "Program", "Open",
-    ),
-    Row(
-        Area.MACHINE, "s", "s", "start", "Start program",
-        "Run the program from its first line.", "Program", "Start",
-    ),
+    *RUNNING,
     Row(
         Area.MACHINE, "v", "v", "picture", "Next picture",
         "Position with commands, or with the program; where there is room, both are there.",
@@ -128,17 +122,19 @@ _REST: Final = (
 
 _OVERRIDES: Final = (
     Row(
-        Area.VIEWS, "comma,less_than_sign", ",", "override(-10)", "Slower feed",
-        "Feed override 10 % lower, down to 10 %; acts at once. Rapids keep their speed.", "Program",
+        Area.VIEWS, "comma", ",", "override(-10)", "Slower feed",
+        "Feed override 10 % lower, down to 10 %; acts at once. Rapids have one of their own.",
+        "Program",
     ),
     Row(
-        Area.VIEWS, "full_stop,greater_than_sign", ".", "override(10)", "Faster feed",
-        "Feed override 10 % higher, up to 200 %; acts on what is not in the queue yet.", "Program",
+        Area.VIEWS, "full_stop", ".", "override(10)", "Faster feed",
+        "Feed override 10 % higher, up to 200 %; acts within 0.3 s.", "Program",
     ),
     Row(
-        Area.VIEWS, "equals_sign", "=", "override(0)", "Feed as programmed",
-        "Feed override 100 %.", "Program",
+        Area.VIEWS, "equals_sign", "=", "override(0)", "As programmed",
+        "Both overrides 100 %.", "Program",
     ),
+    *RAPIDS,
     Row(
         Area.MACHINE, "w,plus", "w", "width(1)", "Wider step",
         "The next larger step width, after the largest the smallest; also +.", "Jog",
@@ -177,6 +173,7 @@ _SCROLLING: Final = (
         Area.MACHINE, "ctrl+down", "^↓", "scroll_path(1)", "Path down",
         "Scroll the program down.", "Program",
     ),
+    *PROGRAM,
     Row(
         Area.EVERYWHERE, "ctrl+q", "^q", "app.quit", "Quit at once",
         "Brake, motors off, leave.", "Machine", priority=True,

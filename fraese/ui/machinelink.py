@@ -9,18 +9,32 @@ Rule 3: the latest state wins; alarms and refusals are messages of their own, ea
 """
 
 from collections.abc import Callable, Sequence
+from typing import Final
 
 from textual.message import Message
 
 from fraese.control.asleft import Left, left_by_crash, take_as_left
 from fraese.control.controller import Controller
-from fraese.control.state import OVERRIDES, MachineState, Status, three_decimals
+from fraese.control.state import OVERRIDES, RAPID_OVERRIDES, MachineState, Status, three_decimals
 from fraese.control.worker import Command, Worker
 from fraese.ui.feed import StateFeed
 from fraese.ui.jogging import Jogger
 from fraese.ui.keys import said
 from fraese.ui.messages import Alarmed, Noted, Refused, StateChanged
 from fraese.ui.shape import shape_of
+
+#: What is said when a switch of a run is off, and on.
+_SAID_OF_SWITCHES: Final = {
+    "single_block": (
+        "Single block is off: the program runs on.",
+        "Single block is on: the program waits after every line that moves.",
+    ),
+    "optional_stop": ("M1 is passed.", "M1 stops."),
+    "block_delete": (
+        "Lines that begin with a slash are run, from the next start on.",
+        "Lines that begin with a slash are left out, from the next start on.",
+    ),
+}
 
 
 class MachineLink:
@@ -140,9 +154,28 @@ class MachineLink:
 
     def override(self, by_percent: int) -> None:
         """Feed override up or down, or (0) as programmed."""
-        percent = round(self._controller.override * 100) + by_percent if by_percent else 100
+        handling = self._controller.handling
+        percent = round(handling.feed * 100) + by_percent if by_percent else 100
+        if not by_percent:
+            handling.set_rapid(1.0)
         low, high = OVERRIDES
-        self._controller.set_override(min(max(percent / 100, low), high))
+        handling.set_feed(min(max(percent / 100, low), high))
+        self.offer()
+
+    def override_rapids(self, by_percent: int) -> None:
+        """Override of rapids up or down."""
+        handling = self._controller.handling
+        low, high = RAPID_OVERRIDES
+        percent = round(handling.rapid * 100) + by_percent
+        handling.set_rapid(min(max(percent / 100, low), high))
+        self.offer()
+
+    def switch_run(self, name: str) -> str:
+        """Turn a switch of a run; what to say about it."""
+        handling = self._controller.handling
+        handling.switch(name)
+        self.offer()
+        return _SAID_OF_SWITCHES[name][getattr(handling, name)]
 
     def answer(self) -> None:
         """What the job asks for has been done."""

@@ -9,6 +9,42 @@ from fraese.control.controller import Controller
 from fraese.errors import FraeseError, ProgramError, StateError
 
 
+class Complaint(Protocol):
+    """Something wrong, and where."""
+
+    @property
+    def line(self) -> int:
+        """Where; 0: no line can be told."""
+
+    @property
+    def message(self) -> str:
+        """What, a sentence."""
+
+
+class Wants(Protocol):
+    """What a program asks for."""
+
+    @property
+    def tools(self) -> tuple[int, ...]:
+        """Numbers, in the order in which they are first put in."""
+
+    @property
+    def spindle_rev_min(self) -> tuple[float, float] | None:
+        """Lowest and highest speed; None: it is never switched on."""
+
+    @property
+    def stops(self) -> int:
+        """So often it waits for a person."""
+
+    @property
+    def optional_stops(self) -> int:
+        """So often at M1."""
+
+    @property
+    def probes(self) -> int:
+        """So often it probes."""
+
+
 class Facts(Protocol):
     """What is known of a program before it runs."""
 
@@ -36,6 +72,38 @@ class Facts(Protocol):
     def warnings(self) -> tuple[str, ...]:
         """What the operator should know; a sentence each."""
 
+    @property
+    def errors(self) -> Sequence[Complaint]:
+        """Why it is refused."""
+
+    @property
+    def outside(self) -> Sequence[Complaint]:
+        """Where it leaves the travel."""
+
+    @property
+    def notes(self) -> Sequence[Complaint]:
+        """What is passed over in it."""
+
+    @property
+    def wants(self) -> Wants:
+        """What it asks of the machine and of whoever stands at it."""
+
+    @property
+    def outline(self) -> Any:
+        """Where the tool goes, see ``widgets.scene``; None: nobody knows."""
+
+
+class Stage(Protocol):
+    """How far a look-through is."""
+
+    @property
+    def lines(self) -> int:
+        """Read so far."""
+
+    @property
+    def outline(self) -> Any:
+        """Of what was read; None: there is none yet."""
+
 
 class Program(Protocol):
     """A program that has been read."""
@@ -47,6 +115,17 @@ class Program(Protocol):
     @property
     def lines(self) -> Sequence[str]:
         """Its text."""
+
+    @property
+    def facts(self) -> Facts | None:
+        """What the last look-through found, also of a program that was refused."""
+
+    @property
+    def stage(self) -> Stage | None:
+        """How far one is that goes on; None: none does."""
+
+    def parts(self, line: str) -> Sequence[tuple[str, str]]:
+        """A line in parts: of which kind each is, and its text."""
 
     def news(self) -> str:
         """What became of its file since it was read, a sentence; empty: nothing."""
@@ -70,12 +149,50 @@ class Program(Protocol):
     def close(self) -> None:
         """It is not needed any more."""
 
-    def start(self, controller: Controller) -> None:
+    def start(self, controller: Controller, *, from_line: int = 0) -> None:
         """Hand it to the controller; in the machine's thread.
 
         Raises:
             FraeseError: if it is refused.
         """
+
+    def drive_frame(self, controller: Controller) -> None:
+        """Drive round it above the work; likewise.
+
+        Raises:
+            FraeseError: if it is refused.
+        """
+
+    def way_lines(self, stands: Any, from_line: int, given_up: Callable[[], bool]) -> Sequence[str]:
+        """What a start in the middle would do, in lines; may take long, in a thread of its own.
+
+        Raises:
+            FraeseError: if there is nothing to run there, or it was given up.
+        """
+
+    def stands(self, controller: Controller) -> Any:
+        """The machine as it stands, for ``way_lines``; in the machine's thread."""
+
+
+class Recent(Protocol):
+    """Files that were opened."""
+
+    def paths(self) -> Sequence[Path]:
+        """Newest first."""
+
+    def add(self, path: Path) -> None:
+        """This one was opened just now."""
+
+
+class Forgets:
+    """Of an app that keeps no list."""
+
+    def paths(self) -> Sequence[Path]:
+        """None."""
+        return ()
+
+    def add(self, path: Path) -> None:
+        """Nothing is kept."""
 
 
 OpenProgram = Callable[[Path], Program]
@@ -176,17 +293,26 @@ class ProgramDesk:
         open_program: reads a file; may take long.
         path: what is offered to be opened first.
         resume: how the program that was cut short is gone on with; refuses in the machine's thread.
+        recent: which were opened last.
 
     Attributes:
         resume: likewise.
+        recent: likewise.
         path: of what was opened last.
         program: what is loaded.
         look: what goes on just now beside everything else.
     """
 
-    def __init__(self, open_program: OpenProgram, path: Path | None, resume: Resume) -> None:
+    def __init__(
+        self,
+        open_program: OpenProgram,
+        path: Path | None,
+        resume: Resume,
+        recent: Recent | None = None,
+    ) -> None:
         self._open_program = open_program
         self.resume = resume
+        self.recent = recent or Forgets()
         self.path = path
         self.program: Program | None = None
         self.look: Look | None = None
@@ -234,6 +360,10 @@ class ProgramDesk:
         Raises:
             FraeseError: if it cannot be read, or the reader fails.
         """
+        loaded = self.program
+        if loaded is not None and path == self.path and not loaded.news():
+            # It is still what was read.
+            return loaded
         try:
             program = self._open_program(path)
             # Read here, where nobody waits.
@@ -247,6 +377,6 @@ class ProgramDesk:
 
     def put(self, path: Path, program: Program) -> None:
         """This one is loaded now."""
-        if self.program is not None:
+        if self.program is not None and self.program is not program:
             self.program.close()
         self.path, self.program = path, program

@@ -51,7 +51,7 @@ class ViewedApp(App[None]):
             )
 
     def _from_palette(self, action: str, area: Area) -> Callable[[], object]:
-        owners = [name for name, view in self._views.items() if view.AREA is area]
+        owners = [name for name, view in self._views.items() if area in (view.AREA, *view.ALSO)]
 
         async def run() -> None:
             if owners and self.current_mode not in owners:

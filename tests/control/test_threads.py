@@ -10,6 +10,7 @@ import pytest
 from fraese.anythread import MARK
 from fraese.control.controller import Controller
 from fraese.control.endswitches import EndSwitches
+from fraese.control.handling import Handling
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.position import Position
 from fraese.control.recorder import Recorder
@@ -28,7 +29,11 @@ from tests.helpers import after_slices, configured, plant
 
 #: Everything that a marked method may set, by the class that owns it.
 FLAGS = {
-    ("Controller", "override"),
+    ("Handling", "_word_q8"),
+    ("Handling", "feed"),
+    ("Handling", "may_be_over"),
+    ("Handling", "rapid"),
+    ("Handling", "single_block"),
     ("Requests", "brake_wanted"),
     ("Requests", "calm"),
     ("Requests", "override_q8"),
@@ -40,10 +45,12 @@ FLAGS = {
     ("Runner", "_stop"),
 }
 OWNERS = (
-    Controller, EndSwitches, MotionQueue, Position, RunLoop, Runner,
+    Controller, EndSwitches, Handling, MotionQueue, Position, RunLoop, Runner,
     MotorCore, Requests, Run, Ticks, Track,
 )  # fmt: skip
-ARGUMENTS: dict[str, tuple[object, ...]] = {"set_override": (0.5,), "switch_log": (False,)}
+ARGUMENTS: dict[str, tuple[object, ...]] = {
+    "set_feed": (1.5,), "set_rapid": (0.5,), "switch": ("single_block",), "switch_log": (False,),
+}  # fmt: skip
 #: In this order a job is held, lifted, and brought to its end.
 LAST = ("hold", "resume", "cancel", "stop")
 
@@ -85,11 +92,12 @@ def test_what_is_marked_sets_flags_and_nothing_else(written: list[tuple[int, str
 
     def call_all() -> None:
         strangers.append(threading.get_ident())
-        for name in marked(Controller):
-            member = getattr(controller, name)
-            if callable(member):
-                member(*ARGUMENTS.get(name, ()))
-            called.append(name)
+        for owner in (controller, controller.handling):
+            for name in marked(type(owner)):
+                member = getattr(owner, name)
+                if callable(member):
+                    member(*ARGUMENTS.get(name, ()))
+                called.append(name)
 
     def from_another_thread() -> None:
         thread = threading.Thread(target=call_all)

@@ -72,15 +72,24 @@ def test_what_is_queued_is_slowed_with_the_acceleration_and_no_further(factor: f
     assert report.rate_hz == pytest.approx(before, rel=0.01)
 
 
-def test_a_rapid_is_not_overridden() -> None:
-    blocks = planned(MACHINES["built-in"], LONG, None)
-    assert {block.override_q8 for block in blocks} == {0}
-    assert {block.override_q8 for block in planned(MACHINES["built-in"], LONG, 900.0)} == {Q8}
-    plain, limited = loaded(blocks), loaded(blocks)
-    limited.core.set_override(0.1)
-    plain.play()
-    limited.play()
-    assert limited.port.accesses == plain.port.accesses
+def test_rapids_and_feeds_have_overrides_of_their_own() -> None:
+    machine = MACHINES["built-in"]
+
+    def marks(feed_mm_min: float | None, *factors: float) -> set[tuple[bool, int]]:
+        blocks = planned(machine, LONG, feed_mm_min, factors=factors)
+        return {(block.is_rapid, block.override_q8) for block in blocks}
+
+    assert marks(None) == {(True, Q8)}
+    assert marks(900.0) == {(False, Q8)}
+    assert marks(None, 0.5, 1.0) == {(True, Q8)}
+    assert marks(900.0, 1.0, 0.5) == {(False, Q8)}
+    assert marks(None, 1.0, 0.5) == {(True, Q8 // 2)}
+    full, half = (
+        max(block.top_rate_q8() for block in planned(machine, LONG, None, factors=factors))
+        for factors in ((1.0, 1.0), (1.0, 0.5))
+    )
+    assert half == pytest.approx(full / 2, rel=0.01)
+    assert planned(machine, LONG, None, factors=(0.5, 1.0)) == planned(machine, LONG, None)
 
 
 def test_a_hold_while_limited_holds_and_goes_on_limited() -> None:

@@ -81,8 +81,13 @@ PATHS = st.one_of(
 )
 
 
-def planned(axes: Machine, points: list[Point], feed: float | None) -> list[Block]:
-    return run(Planner(axes, (0, 0, 0), Options()), points, feed)
+def planned(
+    axes: Machine, points: list[Point], feed: float | None, factors: tuple[float, ...] = ()
+) -> list[Block]:
+    planner = Planner(axes, (0, 0, 0), Options())
+    if factors:
+        planner.set_override(*factors)
+    return run(planner, points, feed)
 
 
 @settings(max_examples=25)

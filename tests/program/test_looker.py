@@ -165,7 +165,7 @@ def test_its_memory_is_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     path = tmp_path / "part.ngc"
     with path.open("w") as file:
         file.write("o1 while [1]\n")
-        for _ in range(30):
+        for _ in range(40):
             file.write(line * 1000)
     part = open_program(path, apart=True)
     with pytest.raises(ProgramError, match="more than 128 MB of memory"):

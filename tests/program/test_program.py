@@ -234,7 +234,7 @@ def test_an_override_is_felt_soon_even_in_one_long_move(tmp_path: Path) -> None:
     def duration_s(factor: float) -> float:
         made = homed()
         before_ns = made.clock.now_ns()
-        after_slices(made.controller, 3, lambda: made.controller.set_override(factor))
+        after_slices(made.controller, 3, lambda: made.controller.handling.set_feed(factor))
         assert run_program(made, program(tmp_path, "G1 X40 F120\nM2\n")) is Status.OK
         return (made.clock.now_ns() - before_ns) / 1e9
 
@@ -246,7 +246,7 @@ def test_an_override_is_felt_soon_even_in_one_long_move(tmp_path: Path) -> None:
 def test_m49_holds_the_feed_against_an_override_that_comes_while_it_moves(tmp_path: Path) -> None:
     made = homed()
     controller = made.controller
-    after_slices(controller, 20, lambda: controller.set_override(0.5))
+    after_slices(controller, 20, lambda: controller.handling.set_feed(0.5))
     assert run_program(made, program(tmp_path, "M49\nG1 X20 F120\nM2\n")) is Status.OK
     job = controller.state().job
     assert job is not None
@@ -257,7 +257,7 @@ def test_m49_holds_the_feed_against_an_override_that_comes_while_it_moves(tmp_pa
 def test_an_override_from_before_holds_and_m49_takes_it_away(tmp_path: Path) -> None:
     def duration_s(text: str) -> float:
         made = homed()
-        made.controller.set_override(2)
+        made.controller.handling.set_feed(2)
         before_ns = made.clock.now_ns()
         assert run_program(made, program(tmp_path, text)) is Status.OK
         return (made.clock.now_ns() - before_ns) / 1e9
@@ -272,7 +272,7 @@ def test_m48_and_m49_hold_for_the_moves_behind_them_alone(tmp_path: Path, path: 
 
     def duration_s(text: str, factor: float) -> float:
         made = homed()
-        made.controller.set_override(factor)
+        made.controller.handling.set_feed(factor)
         before_ns = made.clock.now_ns()
         assert run_program(made, program(tmp_path, path + text + "M2\n")) is Status.OK
         return (made.clock.now_ns() - before_ns) / 1e9
@@ -287,7 +287,7 @@ def test_m48_and_m49_hold_for_the_moves_behind_them_alone(tmp_path: Path, path: 
 @pytest.mark.parametrize("factor", [0.09, 2.01, float("nan")])
 def test_an_override_is_10_to_200_per_cent(factor: float) -> None:
     with pytest.raises(LimitError):
-        plant().controller.set_override(factor)
+        plant().controller.handling.set_feed(factor)
 
 
 # --- offsets shared by panel and program ---------------------------------------------------------

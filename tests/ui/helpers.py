@@ -24,7 +24,9 @@ from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import End
 from fraese.planner.lines import plan_line
 from fraese.program import ByHand
+from fraese.program.check import Complaint, Wants
 from fraese.ui import FraeseApp
+from fraese.ui.dialogs.start import StartDialog
 from fraese.ui.views.machine import MachineView
 from fraese.ui.widgets.fact import Fact
 
@@ -58,6 +60,11 @@ class FakeFacts:
     length_mm: float = 4.0
     blocks: int = 4
     warnings: tuple[str, ...] = ()
+    errors: tuple[Complaint, ...] = ()
+    outside: tuple[Complaint, ...] = ()
+    notes: tuple[Complaint, ...] = ()
+    wants: Wants = field(default_factory=Wants)
+    outline: None = None
 
 
 @dataclass
@@ -70,8 +77,12 @@ class FakeProgram:
     facts: FakeFacts = field(default_factory=FakeFacts)
     started: int = 0
     looked: int = 0
+    stage: None = None
     #: Called in the machine's thread just before it starts.
     at_the_gate: Callable[[], object] = lambda: None
+
+    def parts(self, line: str) -> list[tuple[str, str]]:
+        return [("plain", line)]
 
     def news(self) -> str:
         return ""
@@ -89,7 +100,16 @@ class FakeProgram:
     def close(self) -> None:
         pass
 
-    def start(self, controller: Controller) -> None:
+    def stands(self, controller: Controller) -> str:
+        return "so"
+
+    def way_lines(self, stands: object, from_line: int, given_up: Callable[[], bool]) -> list[str]:
+        return [f"fake.nc from line {from_line}:"]
+
+    def drive_frame(self, controller: Controller) -> None:
+        raise ProgramError("has no frame.", file=self.name)
+
+    def start(self, controller: Controller, *, from_line: int = 0) -> None:
         self.at_the_gate()
         self.started += 1
         job = self._job(controller)
@@ -160,6 +180,20 @@ class Bench:
         controller = self.plant.controller
         await self.wait(lambda: not self.app.busy and self.drawn == controller.state())
         await self.pilot.pause()
+
+    async def start(self) -> None:
+        """Start the program that is loaded, by its dialog."""
+        await self.ask_to_start()
+        await self.press("enter")
+
+    async def ask_to_start(self) -> StartDialog:
+        """The dialog before a start, drawn."""
+        await self.press("s")
+        await self.wait(lambda: isinstance(self.app.screen, StartDialog))
+        dialog = self.app.screen
+        assert isinstance(dialog, StartDialog)
+        await self.wait(lambda: dialog.focused is not None)
+        return dialog
 
     async def long_move(self) -> None:
         """X sets out on a way of twenty minutes, and has reached its speed.

@@ -54,10 +54,10 @@ def reference(plant: Plant) -> None:
 async def cut_short(b: Bench, path: Path, slices: int = 80) -> None:
     """A program runs, and is stopped in the middle."""
     path.write_text(PART)
-    b.view._load(path)
+    b.view.load(path)
     await b.wait(lambda: "Start it" in b.text("#message"))
     after_slices(b.plant.controller, slices, b.plant.controller.cancel)
-    await b.press("s")
+    await b.start()
     await b.wait(lambda: b.drawn.cut_short is not None)
     await b.settled()
     b.plant.controller.set_break_key(lambda: None)

@@ -362,6 +362,8 @@ def test_nothing_foreign_reaches_the_terminal(tmp_path: Path) -> None:
     with app(tmp_path, words=("--open", name), size=(45, 140)) as pty:
         pty.read_until(b"Start it")
         pty.type(b"s")
+        pty.read_until(b"from line")
+        pty.type(b"\r")
         seen = b""
         for keys in (b"vo", b"\x1b", b"v", b"v"):
             until_s = time.monotonic() + 1.5

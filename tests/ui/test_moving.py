@@ -351,7 +351,7 @@ def test_nothing_jogs_while_a_program_runs_or_a_page_is_open() -> None:
             await b.press("enter")
             await b.wait(lambda: b.text("#program") == "fake.nc")
             await b.settled()
-            await b.press("s")
+            await b.start()
             await b.wait(lambda: b.plant.controller.state().running)
             await b.press("pageup", "X")
             await b.wait(lambda: "The machine runs" in b.text("#message"))
@@ -376,7 +376,7 @@ async def _reference(b: Bench) -> None:
 async def _start(b: Bench) -> None:
     await b.wait(lambda: "Start it" in b.text("#message"))
     await b.settled()
-    await b.press("s")
+    await b.start()
 
 
 async def _jog(b: Bench) -> None:
@@ -429,13 +429,13 @@ def test_the_feed_override_follows_its_keys() -> None:
     async def scene() -> None:
         async with bench(size=(80, 24)) as b:
             await b.press("comma", "comma", "comma")
-            assert b.plant.controller.override == pytest.approx(0.7)
+            assert b.plant.controller.handling.feed == pytest.approx(0.7)
             await b.wait(lambda: "70%" in b.text("#feed"))
             await b.press(*["full_stop"] * 20)
-            assert b.plant.controller.override == 2
+            assert b.plant.controller.handling.feed == 2
             await b.press("equals_sign")
-            assert b.plant.controller.override == 1
+            assert b.plant.controller.handling.feed == 1
             await b.press(*["comma"] * 12)
-            assert b.plant.controller.override == pytest.approx(0.1)
+            assert b.plant.controller.handling.feed == pytest.approx(0.1)
 
     play(scene)

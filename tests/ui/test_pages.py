@@ -41,7 +41,7 @@ def test_a_program_is_opened_shown_and_run() -> None:
             assert asked == [Path("parts/fake.nc")]
             assert "4 blocks, 4.0 mm, 0:02 min" in b.text("#message")
             assert b.app.screen.has_class("path")
-            await b.press("s")
+            await b.start()
             path = b.app.screen.query_one(PathView)
             await b.wait(lambda: path.current > 20)
             assert path.scroll_offset.y > 0

@@ -6,10 +6,12 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from textual.widgets import Input
+from textual.widgets import Button, Input, OptionList
 
 from fraese.config import Config
 from fraese.program import Program, open_program
+from fraese.ui.dialogs.start import StartDialog
+from fraese.ui.widgets.path import PathView
 from tests.ui.helpers import Bench, bench, play
 
 ENDLESS = "G21 G91 F600\no1 while [1]\nG1 X1\nG1 X-1\no1 endwhile\nM2\n"
@@ -101,21 +103,20 @@ def test_a_program_is_looked_through_as_the_machine_stands_when_it_starts(tmp_pa
             await b.settled()
             at = b.moved_steps
             # 102 mm and 250 mm: beyond the end of X.
-            await b.press("s")
-            await b.wait(lambda: "line 1" in b.text("#message"))
-            await b.settled()
-            assert "outside" in b.text("#message") or "travel" in b.text("#message")
-            assert b.moved_steps == at
-            await b.press("s")
-            await b.wait(lambda: not b.app.busy and b.view.desk.programs.look is None)
-            await b.settled()
-            assert b.moved_steps == at
+            for _ in range(2):
+                await b.start()
+                assert "line 1" in b.text("#message")
+                assert "outside" in b.text("#message") or "travel" in b.text("#message")
+                assert isinstance(b.app.screen, StartDialog) or b.view.is_active
+                await b.press("escape")
+                await b.settled()
+                assert b.moved_steps == at
             b.app.link.order_of(lambda controller: controller.move_to({"x": -100}))
             await b.settled()
             await b.press("X")
             await b.settled()
             at = b.moved_steps
-            await b.press("s")
+            await b.start()
             await b.wait(lambda: b.moved_steps[0] == at[0] + 250 * 200)
             await b.settled()
 
@@ -131,9 +132,12 @@ def test_one_that_was_refused_does_not_start(tmp_path: Path) -> None:
             await b.wait(lambda: "line 2" in b.text("#message"))
             await b.jog("up")
             at = b.moved_steps
-            await b.press("s")
-            await b.wait(lambda: "line 2" in b.text("#message"))
-            await b.wait(lambda: b.view.desk.programs.look is None)
+            await b.ask_to_start()
+            assert "line 2" in b.text("#message")
+            assert b.app.screen.query_one("#yes", Button).disabled
+            # Enter leads to the line, and starts nothing.
+            await b.press("enter")
+            assert b.view.query_one(PathView).pointed_at == 2
             await b.settled()
             assert b.moved_steps == at
 
@@ -162,12 +166,13 @@ def test_what_moved_while_it_was_looked_through_is_no_start(tmp_path: Path) -> N
                 return facts
 
             program.look = slow  # type: ignore[method-assign, assignment]
-            await b.press("s")
+            await b.ask_to_start()
+            await b.press("enter")
             await b.wait(lambda: "has changed while" in b.text("#message"))
             await b.settled()
             assert b.moved_steps == (400, 0, 0)
             del program.look
-            await b.press("s")
+            await b.start()
             await b.wait(lambda: b.moved_steps[1] == 1000)
             await b.settled()
 
@@ -182,11 +187,11 @@ def test_a_file_that_has_changed_is_told_and_runs_as_it_was_opened(tmp_path: Pat
         async with bench(program=path, open_program=APART) as b:
             await ready(b)
             path.write_text("G21 G90 G1 X100 F3000\nM2\n")
-            await b.press("s")
-            await b.wait(lambda: "has changed on disk" in b.text("#message"))
-            await b.settled()
+            await b.ask_to_start()
+            said = b.app.screen.query_one("#problems", OptionList).get_option_at_index(1).prompt
+            assert "has changed on disk" in str(said)
             assert b.moved_steps == (0, 0, 0)
-            await b.press("s")
+            await b.press("enter")
             await b.wait(lambda: b.moved_steps == (1000, 0, 0))
             await b.settled()
 

@@ -111,7 +111,8 @@ def test_what_was_ordered_before_it_and_has_not_begun_never_moves() -> None:
         ) as b:
             await b.wait(lambda: "Start it" in b.text("#message"))
             await b.settled()
-            start = Key("s", "s")
+            await b.ask_to_start()
+            start = Key("enter", None)
             start._set_forwarded()
             b.app.post_message(start)
             press_without_app(b, "ctrl+c")

@@ -1,6 +1,6 @@
 """Which program to open."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Final
@@ -9,7 +9,8 @@ from rich.text import Text, TextType
 from textual import on
 from textual.app import ComposeResult
 from textual.strip import Strip
-from textual.widgets import DirectoryTree, Input
+from textual.widgets import DirectoryTree, Input, OptionList
+from textual.widgets.option_list import Option
 
 from fraese.plaintext import dotted, plain
 from fraese.ui.dialogs.dialog import Dialog
@@ -17,6 +18,17 @@ from fraese.ui.keys import Area, KeyTable
 
 #: A key in a longer text takes longer than the next needs to come.
 _LONGEST: Final = 2_000
+#: So many of those opened last are offered.
+_MOST_RECENT: Final = 6
+
+
+def _in_short(path: Path) -> str:
+    """Its name first: that is what a person looks for."""
+    folder = str(path.parent)
+    home = str(Path.home())
+    if folder == home or folder.startswith(f"{home}/"):
+        folder = f"~{folder.removeprefix(home)}"
+    return plain(f"{path.name}   {folder}")
 
 
 class FileTree(DirectoryTree):
@@ -45,29 +57,40 @@ class PathInput(Input):
 
 
 class OpenDialog(Dialog[Path]):
-    """A program file: its path is typed, or it is chosen from the tree.
+    """A program file: its path is typed, or it is chosen from those opened last, or from the tree.
 
     Args:
         keys: the table.
         folder: where the tree begins.
         path: what is in the input.
+        recent: files that were opened, newest first.
     """
 
     AREA = Area.OPEN
     HEADING = "Open a program"
     YES = "Open"
 
-    def __init__(self, keys: KeyTable, folder: Path, path: str) -> None:
+    def __init__(
+        self, keys: KeyTable, folder: Path, path: str, recent: Sequence[Path] = ()
+    ) -> None:
         super().__init__(keys)
         self._folder = folder
         self._path = path
+        self._recent = tuple(recent)[:_MOST_RECENT]
 
     def inner(self) -> ComposeResult:
-        """Input and tree."""
+        """Input, what was opened last, and tree."""
         yield PathInput(
             self._path, placeholder="path of a program file", id="file", max_length=_LONGEST
         )
+        if self._recent:
+            options = (Option(Text(_in_short(path), no_wrap=True)) for path in self._recent)
+            yield OptionList(*options, id="recent", compact=True)
         yield FileTree(self._folder, id="tree")
+
+    @on(OptionList.OptionSelected, "#recent")
+    def _again(self, event: OptionList.OptionSelected) -> None:
+        self.dismiss(self._recent[event.option_index])
 
     @on(DirectoryTree.FileSelected)
     def _chosen(self, event: DirectoryTree.FileSelected) -> None:

@@ -5,26 +5,21 @@ path         position and program
 workspace    both, where there is room: position left, program right
 """
 
-import threading
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from textual.app import ComposeResult
 from textual.containers import Container, Horizontal
 from textual.geometry import Size
 
-from fraese.control.controller import Controller
 from fraese.control.state import MachineState
-from fraese.errors import FraeseError, StateError
 from fraese.ui.dialogs.confirm import ConfirmDialog
 from fraese.ui.dialogs.goto import GoTo, GoToDialog
-from fraese.ui.dialogs.open import OpenDialog
 from fraese.ui.dialogs.reference import Reference, ReferenceDialog
 from fraese.ui.dialogs.switches import SwitchPage
-from fraese.ui.keys import Area, said
-from fraese.ui.programs import Facts, Look, Program, in_words
+from fraese.ui.keys import Area
+from fraese.ui.programs import Program
 from fraese.ui.views.byhand import ByHand
+from fraese.ui.views.running import RunsPrograms
 from fraese.ui.views.view import BUSY, Desk
 from fraese.ui.widgets.commands import CommandList
 from fraese.ui.widgets.fact import Fact, Flowing
@@ -40,10 +35,11 @@ _WORKSPACE: Final = Size(120, 40)
 _MANY_AXES: Final = 4
 
 
-class MachineView(ByHand):
+class MachineView(RunsPrograms, ByHand):
     """Position, status, commands and path; jogs, goes, references, zeroes, runs programs."""
 
     AREA = Area.MACHINE
+    ALSO = (Area.RUNNING,)
     NAME = "move"
 
     def __init__(self, desk: Desk) -> None:
@@ -54,8 +50,6 @@ class MachineView(ByHand):
         self._choice = widths(shape)
         self._width = FIRST_WIDTH
         self._last_go_to: GoTo | None = None
-        # What became of the loaded program's file, as far as it was told.
-        self._told = ""
         self._program = Flowing("no program", id="program")
         self._position = PositionPanel(shape)
         width_keys = [row for row in keys.commands if row.action.startswith("set_width")]
@@ -79,7 +73,7 @@ class MachineView(ByHand):
         """What was given at the start."""
         self._widths.show(self._width, 1)
         if self.desk.programs.path is not None:
-            self._load(self.desk.programs.path)
+            self.load(self.desk.programs.path)
         self.offer_position()
 
     def on_resize(self) -> None:
@@ -214,135 +208,13 @@ class MachineView(ByHand):
 
     # --- programs --------------------------------------------------------------------------------
 
-    def action_open(self) -> None:
-        """Ask for a file."""
-        programs = self.desk.programs
-        dialog = OpenDialog(self.desk.keys, programs.folder, str(programs.path or ""))
-        self.app.push_screen(dialog, self._chosen)
-
-    def _chosen(self, path: Path | None) -> None:
-        if path is not None:
-            self._load(path)
-
-    def _load(self, path: Path) -> None:
-        """Read the file, which may be long, beside everything else."""
-        look = self.desk.programs.begin()
-
-        def read() -> None:
-            program = self.desk.programs.read(path)
-            self.call_later(self._loaded, path, program, look)
-
-        self._aside(look, read)
-
-    def _aside(self, look: Look, action: Callable[[], None]) -> None:
-        """Do this in a thread of its own, for which nobody waits; say what it is refused for."""
-
-        def go() -> None:
-            try:
-                action()
-            except FraeseError as error:
-                self.call_later(self._failed, look, str(error))
-            except Exception as error:  # of a reader, which must not end the control of a machine
-                self.call_later(self._failed, look, f"Reading the program failed: {error!r}.")
-
-        look.busy = True
-        threading.Thread(target=go, name="program", daemon=True).start()
-
-    def _failed(self, look: Look, sentence: str) -> None:
-        if self.desk.programs.ended(look):
-            self.refuse(sentence)
-
-    def _loaded(self, path: Path, program: Program, look: Look) -> None:
-        if look.given_up:
-            return
-        if self.desk.link.moving:
-            self.desk.programs.ended(look)
-            self.refuse(BUSY)
-            return
-        self.put(path, program)
-
-        def ask(controller: Controller) -> None:
-            self.call_later(self._look, program, program.question(controller), look)
-
-        self._order(look, ask)
-
-    def put(self, path: Path, program: Program) -> None:
-        """This one is loaded now, and shown."""
-        self.desk.programs.put(path, program)
-        self._told = ""
+    def show_program(self, program: Program) -> None:
+        """This one is loaded now."""
         self._program.show(program.name)
-        self._path.load(program.lines)
+        self._path.load(program.lines, program.parts)
         self.show_picture("path")
 
-    def _order(self, look: Look, order: Callable[[Controller], None]) -> None:
-        taken = self.desk.link.order_of(order)
-        if not taken:
-            self.desk.programs.ended(look)
-        self.expect(taken)
-
-    def _look(self, program: Program, question: Any, look: Look, *, start: bool = False) -> None:
-        """Look it through beside everything else; then say so, or start it."""
-        if look.given_up:
-            return
-        self.say(f"{program.name} is being looked through; {said('app.stop_machine')} ends that.")
-
-        def through() -> None:
-            facts = program.look(question)
-            self.call_later(self._looked, program, facts, look, start)
-
-        self._aside(look, through)
-
-    def _looked(self, program: Program, facts: Facts, look: Look, start: bool) -> None:
-        if not self.desk.programs.ended(look):
-            return
-        for warning in facts.warnings:
-            self.note(warning, warning=True)
-        if not start:
-            self.note(f"{program.name}: {in_words(facts)}. Start it with {said('start')}.")
-            return
-
-        def begin(controller: Controller) -> None:
-            if program.question(controller) is not None:
-                raise StateError(
-                    f"The machine has changed while {program.name} was looked through: start it"
-                    f" again with {said('start')}; nothing has moved."
-                )
-            program.start(controller)
-
-        self.expect(self.desk.link.order_of(begin))
-
-    def _tell_news(self, program: Program) -> None:
-        """Its file became another one: say so once before it starts.
-
-        Raises:
-            StateError: then.
-        """
-        news, told = program.news(), self._told
-        self._told = news
-        if news and news != told:
-            raise StateError(
-                f"{news} Open it again with {said('open')}, or run what was opened with"
-                f" {said('start')}."
-            )
-
-    def action_start(self) -> None:
-        """Run the program; it is looked through first if the machine stands otherwise now."""
-        program, look = self.desk.programs.program, self.desk.programs.look
-        if look is not None and look.busy:
-            self.refuse(f"Wait for the look-through, or end it with {said('app.stop_machine')}.")
-            return
-        if program is None:
-            self.refuse(f"No program is loaded: open one with {said('open')}.")
-            return
-        look = self.desk.programs.begin()
-
-        def start_or_ask(controller: Controller) -> None:
-            self._tell_news(program)
-            question = program.question(controller)
-            if question is None:
-                program.start(controller)
-                self.call_later(self.desk.programs.ended, look)
-            else:
-                self.call_later(self._look, program, question, look, start=True)
-
-        self._order(look, start_or_ask)
+    def show_line(self, line: int) -> None:
+        """Look at this line of it."""
+        self.show_picture("path")
+        self._path.show_line(line)

@@ -84,6 +84,8 @@ class View(Screen[None]):
     """
 
     AREA: Area
+    #: Other areas whose keys it has.
+    ALSO: tuple[Area, ...] = ()
     #: Name in the table of views.
     NAME: str
     HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (140, "-wide")]  # noqa: RUF012
@@ -101,13 +103,14 @@ class View(Screen[None]):
         self._told_of: CutShort | None = None
         self._top = Top(desk.link.shape)
         self._message = MessageLine(id="message")
-        keys = [row for row in desk.keys.of(Area.VIEWS, self.AREA) if row.footer]
+        areas = (self.AREA, *self.ALSO)
+        keys = [row for row in desk.keys.of(Area.VIEWS, *areas) if row.footer]
         views = desk.keys.views
         first = [row for row in keys if row.action in _FIRST_KEYS]
         more = [row for row in keys if row not in (*first, *views.values())]
         stop = list(desk.keys.of(Area.EVERYWHERE))[:1]
         self._bar = KeyBar([*stop, *first], views, more, self.NAME)
-        bind(self, desk.keys.of(Area.VIEWS, self.AREA))
+        bind(self, desk.keys.of(Area.VIEWS, *areas))
 
     def compose(self) -> ComposeResult:
         """The frame, and what the view is for."""
@@ -150,6 +153,12 @@ class View(Screen[None]):
         """What came before there was anything to show it in."""
         self.show(self.state, self._stopping)
         self.show_said(*self._said)
+
+    @property
+    def seen(self) -> "View":
+        """The view that is seen now, or that lies below the dialog."""
+        lowest = self.app.screen_stack[0] if self.app.screen_stack else self
+        return lowest if isinstance(lowest, View) else self
 
     def say(self, text: str, tone: str = "") -> None:
         """Put this where the last message stands."""
@@ -232,8 +241,12 @@ class View(Screen[None]):
             self.app.call_later(self.app.run_action, "answer")
 
     def action_override(self, by_percent: int) -> None:
-        """Feed override up or down, or (0) as programmed."""
+        """Feed override up or down, or (0) everything as programmed."""
         self.desk.link.override(by_percent)
+
+    def action_rapids(self, by_percent: int) -> None:
+        """Override of rapids up or down."""
+        self.desk.link.override_rapids(by_percent)
 
     def action_log(self) -> None:
         """Log on or off, also while a job runs."""

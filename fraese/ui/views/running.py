@@ -1,0 +1,251 @@
+"""What views do with programs: open, look through, start; all beside everything else.
+
+    open ---> read ---> asked in the machine's thread ---> looked through ---> said
+    start --> asked in the machine's thread ---> looked through ---> one dialog ---> started there
+
+Rule 1: nothing starts that was not looked through as the machine stands at that moment.
+Rule 2: a look-through can be given up at any moment, and never holds up the app.
+Rule 3: what is said is said in the view that is seen by then.
+"""
+
+import threading
+from abc import abstractmethod
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from fraese.control.controller import Controller
+from fraese.errors import FraeseError, StateError
+from fraese.ui.dialogs.open import OpenDialog
+from fraese.ui.dialogs.start import Decision, StartDialog, WayDialog, What
+from fraese.ui.keys import said
+from fraese.ui.programs import Facts, Look, Program, in_words
+from fraese.ui.views.view import BUSY, View
+from fraese.ui.widgets.scene import Scene
+
+
+class RunsPrograms(View):
+    """Opens programs, and starts them."""
+
+    @abstractmethod
+    def show_program(self, program: Program) -> None:
+        """This one is loaded now."""
+
+    @abstractmethod
+    def show_line(self, line: int) -> None:
+        """Look at this line of it."""
+
+    # --- opening ---------------------------------------------------------------------------------
+
+    def action_open(self) -> None:
+        """Ask for a file."""
+        programs = self.desk.programs
+        if self.desk.link.moving:
+            self.seen.refuse(BUSY)
+            return
+        dialog = OpenDialog(
+            self.desk.keys, programs.folder, str(programs.path or ""), programs.recent.paths()
+        )
+        self.app.push_screen(dialog, self._chosen)
+
+    def _chosen(self, path: Path | None) -> None:
+        if path is not None:
+            self.load(path)
+
+    def load(self, path: Path) -> None:
+        """Read the file, which may be long, beside everything else."""
+        programs = self.desk.programs
+        look = programs.begin()
+        self.seen.say(f"{path.name} is being read; {said('app.stop_machine')} ends that.")
+
+        def read() -> None:
+            program = programs.read(path)
+            programs.recent.add(path)
+            self.call_later(self._loaded, path, program, look)
+
+        self._aside(look, read)
+
+    def _aside(self, look: Look, action: Callable[[], None]) -> None:
+        """Do this in a thread of its own, for which nobody waits; say what it is refused for."""
+
+        def go() -> None:
+            try:
+                action()
+            except FraeseError as error:
+                self.call_later(self._failed, look, str(error))
+            except Exception as error:  # of a reader, which must not end the control of a machine
+                self.call_later(self._failed, look, f"Reading the program failed: {error!r}.")
+
+        look.busy = True
+        threading.Thread(target=go, name="program", daemon=True).start()
+
+    def _failed(self, look: Look, sentence: str) -> None:
+        if self.desk.programs.ended(look):
+            self.seen.refuse(sentence)
+
+    def _loaded(self, path: Path, program: Program, look: Look) -> None:
+        if look.given_up:
+            return
+        if self.desk.link.moving:
+            self.desk.programs.ended(look)
+            self.seen.refuse(BUSY)
+            return
+        self.put(path, program)
+
+        def ask(controller: Controller) -> None:
+            question = program.question(controller)
+            if question is None:
+                self.call_later(self._is_known, program, look)
+            else:
+                self.call_later(self._look, program, question, look)
+
+        self._order(look, ask)
+
+    def put(self, path: Path, program: Program) -> None:
+        """This one is loaded now, and shown."""
+        self.desk.programs.put(path, program)
+        self.show_program(program)
+
+    def _order(self, look: Look, order: Callable[[Controller], None]) -> None:
+        taken = self.desk.link.order_of(order)
+        if not taken:
+            self.desk.programs.ended(look)
+        self.seen.expect(taken)
+
+    # --- looking through -------------------------------------------------------------------------
+
+    def _look(self, program: Program, question: Any, look: Look, *, start: bool = False) -> None:
+        """Look it through beside everything else; then say so, or ask whether to start it."""
+        if look.given_up:
+            return
+        self.seen.say(
+            f"{program.name} is being looked through; {said('app.stop_machine')} ends that."
+        )
+
+        def through() -> None:
+            try:
+                facts = program.look(question)
+            except FraeseError as error:
+                self.call_later(self._refused, program, look, str(error), start)
+            else:
+                self.call_later(self._looked, program, facts, look, start)
+
+        self._aside(look, through)
+
+    def _refused(self, program: Program, look: Look, sentence: str, start: bool) -> None:
+        if self.desk.programs.ended(look):
+            self.seen.refuse(sentence)
+            if start and program.facts is not None:
+                self._ask_to_start(program)
+
+    def _looked(self, program: Program, facts: Facts, look: Look, start: bool) -> None:
+        if not self.desk.programs.ended(look):
+            return
+        for warning in facts.warnings:
+            self.seen.note(warning, warning=True)
+        self.seen.note(f"{program.name}: {in_words(facts)}. Start it with {said('start')}.")
+        if start:
+            self._ask_to_start(program)
+
+    def _is_known(self, program: Program, look: Look) -> None:
+        if self.desk.programs.ended(look):
+            facts = program.facts
+            words = f": {in_words(facts)}" if facts is not None else ""
+            self.seen.note(f"{program.name}{words}. Start it with {said('start')}.")
+
+    # --- starting --------------------------------------------------------------------------------
+
+    def action_start(self) -> None:
+        """Show what is known of the program; it is looked through first if that is not of now."""
+        programs = self.desk.programs
+        program, look = programs.program, programs.look
+        if self.desk.link.moving:
+            self.seen.refuse(BUSY)
+            return
+        if look is not None and look.busy:
+            self.seen.refuse(
+                f"Wait for the look-through, or end it with {said('app.stop_machine')}."
+            )
+            return
+        if program is None:
+            self.seen.refuse(f"No program is loaded: open one with {said('open')}.")
+            return
+        look = programs.begin()
+
+        def ask(controller: Controller) -> None:
+            question = program.question(controller)
+            if question is None:
+                self.call_later(self._known_at_start, program, look)
+            else:
+                self.call_later(self._look, program, question, look, start=True)
+
+        self._order(look, ask)
+
+    def _known_at_start(self, program: Program, look: Look) -> None:
+        if self.desk.programs.ended(look):
+            self._ask_to_start(program)
+
+    def _ask_to_start(self, program: Program) -> None:
+        """The one dialog."""
+        state, facts = self.desk.link.state(), program.facts
+        if facts is None:
+            return
+        scene = Scene.of(state, facts.outline)
+        dialog = StartDialog(
+            self.desk.keys, program, self.desk.link.shape, state, scene, program.news()
+        )
+        self.app.push_screen(dialog, lambda decision: self._decided_start(program, decision))
+
+    def _decided_start(self, program: Program, decision: Decision | None) -> None:
+        if decision is None:
+            return
+        if decision.what is What.LOOK_AT:
+            seen = self.seen
+            (seen if isinstance(seen, RunsPrograms) else self).show_line(decision.line)
+        elif decision.what is What.FRAME:
+            self.seen.expect(self.desk.link.order_of(program.drive_frame))
+        elif decision.line > 1:
+            self._show_way(program, decision.line)
+        else:
+            self._begin(program, 0)
+
+    def _begin(self, program: Program, from_line: int) -> None:
+        """Start it, if the machine still stands as it was looked through for."""
+
+        def begin(controller: Controller) -> None:
+            if program.question(controller) is not None:
+                raise StateError(
+                    f"The machine has changed while {program.name} was looked through: start it"
+                    f" again with {said('start')}; nothing has moved."
+                )
+            if from_line:
+                program.start(controller, from_line=from_line)
+            else:
+                program.start(controller)
+
+        self.seen.expect(self.desk.link.order_of(begin))
+
+    def _show_way(self, program: Program, from_line: int) -> None:
+        """What a start in the middle will do, before it is done."""
+        look = self.desk.programs.begin()
+
+        def ask(controller: Controller) -> None:
+            stands = program.stands(controller)
+            self.call_later(read, stands)
+
+        def read(stands: Any) -> None:
+            def way() -> None:
+                lines = program.way_lines(stands, from_line, lambda: look.given_up)
+                self.call_later(shown, list(lines))
+
+            self._aside(look, way)
+
+        def shown(lines: list[str]) -> None:
+            if self.desk.programs.ended(look):
+                self.app.push_screen(WayDialog(self.desk.keys, lines), decided)
+
+        def decided(yes: bool | None) -> None:
+            if yes:
+                self._begin(program, from_line)
+
+        self._order(look, ask)

@@ -1,0 +1,110 @@
+"""Progress of a program: what is done, how long it still takes, when it ends by the clock."""
+
+from datetime import datetime, timedelta
+
+from textual.app import ComposeResult
+from textual.containers import Vertical
+
+from fraese.control.state import JobProgress, MachineState, Status
+from fraese.ui.widgets.fact import Fact
+from fraese.ui.widgets.status import clock_words
+
+#: A bar is no shorter, in cells.
+_SHORTEST = 8
+
+
+def bar(share: float, room: int) -> str:
+    """So much of a bar of so many cells is full, to an eighth of a cell."""
+    eighths = round(min(1.0, max(0.0, share)) * room * 8)
+    full, rest = divmod(eighths, 8)
+    part = " ▏▎▍▌▋▊▉"[rest] if rest else ""
+    return ("█" * full + part).ljust(room, "░")
+
+
+def times(job: JobProgress, *, waits: bool, now: datetime) -> str:
+    """Done, left, and the end by the clock.
+
+    Args:
+        job: the program in hand.
+        waits: nothing moves until a person does something.
+        now: by the clock.
+    """
+    said = [f"{clock_words(job.elapsed_s)} done"]
+    if job.left_s is not None:
+        said.append(f"{clock_words(job.left_s)} left")
+        if waits:
+            said.append("waits")
+        else:
+            said.append(f"ends {now + timedelta(seconds=job.left_s):%H:%M}")
+    return "   ".join(said)
+
+
+def switches(state: MachineState) -> str:
+    """Overrides and switches that are not as usual are named; the usual ones too, but the feed."""
+    said = [f"feed {state.override:.0%}", f"rapids {state.rapid_override:.0%}"]
+    said += [
+        name
+        for name, on in (
+            ("single block", state.single_block),
+            ("M1 stops", state.optional_stop),
+            ("/ left out", state.block_delete),
+        )
+        if on
+    ]
+    return "   ".join(said)
+
+
+class ProgressPanel(Vertical):
+    """Two lines: the bar with its times; overrides and switches."""
+
+    def __init__(self) -> None:
+        super().__init__(id="progress")
+        self._bar = Fact("", id="progress-bar")
+        self._times = Fact("", id="progress-times")
+
+    def compose(self) -> ComposeResult:
+        """One above the other."""
+        yield self._bar
+        yield self._times
+
+    @property
+    def texts(self) -> tuple[str, str]:
+        """What it says."""
+        return self._bar.text, self._times.text
+
+    def show_idle(self, name: str, more: str, state: MachineState) -> None:
+        """No program runs: which one is loaded, and what is known of it."""
+        self._bar.show(f"{name}   {more}" if more else name)
+        self._times.show(switches(state), "-weak")
+
+    def show_check(self, name: str, lines: int, of_lines: int) -> None:
+        """It is being looked through.
+
+        Args:
+            name: of the program.
+            lines: read so far.
+            of_lines: lines of the file; 0: not known yet.
+        """
+        share = lines / of_lines if of_lines else 0.0
+        words = f"line {lines:,} of {of_lines:,}" if of_lines else "reading"
+        self._bar.show(f"checking {self._filled(share, 28)}  {share:4.0%}")
+        self._times.show(f"{name}   {words}", "-weak")
+
+    def show_job(self, state: MachineState, job: JobProgress) -> None:
+        """A program runs."""
+        place = f"line {job.line}/{job.lines}" if job.lines else f"line {job.line}"
+        if job.share is None:
+            self._bar.show(f"{job.name}   {place}")
+        else:
+            self._bar.show(f"{self._filled(job.share, 26)}  {job.share:4.0%}   {place}")
+        waits = state.held or bool(state.question)
+        said = times(job, waits=waits, now=datetime.now())
+        self._times.show(f"{said}   {switches(state)}", "")
+
+    def _filled(self, share: float, taken: int) -> str:
+        return bar(share, max(_SHORTEST, self.size.width - taken - 2))
+
+
+def runs_program(state: MachineState) -> bool:
+    """A program is in hand, not a jog."""
+    return state.status is Status.RUN and state.job is not None and state.job.lines > 0
