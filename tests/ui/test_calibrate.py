@@ -178,6 +178,8 @@ def test_it_fits_and_leaves_no_remains(size: tuple[int, int]) -> None:
             if size[1] >= 24:
                 assert view.query_one("#calibrate-finding").region.width >= 30
                 assert "10 of 10 approaches" in words(b, "finding")
+                await b.press("pagedown")
+                assert found.scroll_y <= found.max_scroll_y
 
     play(scene)
 

@@ -38,6 +38,8 @@ CALIBRATE: Final = (
          "Mark the value that is tried now, and end this stage: the motor stands."),
     _row("u", "u", "unmark", "Take back a mark", "The highest mark of this stage was a mistake."),
     _row("v", "v", "proposal(1)", "Other proposal", "Where there are several, the next one."),
+    _row("pageup", "PgUp", "scroll_found(-1)", "Up", "Scroll what was found up."),
+    _row("pagedown", "PgDn", "scroll_found(1)", "Down", "Scroll what was found down."),
     _row("w", "w", "write", "Write …",
          "Write what is proposed into the configuration file, after a question.", "Write"),
 )  # fmt: skip

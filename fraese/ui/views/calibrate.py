@@ -82,8 +82,9 @@ class CalibrateView(View):
                 yield self._title
                 yield self._what
                 yield self._doing
-                yield self._finding
+                # First what is to be decided: where there is little room the figures are scrolled.
                 yield self._proposal
+                yield self._finding
 
     # --- what is shown ---------------------------------------------------------------------------
 
@@ -319,6 +320,10 @@ class CalibrateView(View):
         else:
             self.say(f"{value:g} {word}.")
             self._show_again()
+
+    def action_scroll_found(self, pages: int) -> None:
+        """Look further down, or up."""
+        self.query_one("#found").scroll_relative(y=8 * pages, animate=False)
 
     def action_proposal(self, by: int) -> None:
         """Another one that explains the figures."""
