@@ -7,7 +7,8 @@ Speeds are those along the path here, mm/s. An axis with ``u`` steps per mm of t
     acceleration  <= acceleration_hz_s / |u|
     corner        |u_after - u_before| * speed <= start_rate_hz
 
-Rule 1: the strictest axis counts, as seen from this segment.
+Rule 1: the strictest axis counts, as seen from this segment. The rate of an axis that follows
+        is that of its closest steps, see ``paced_as``.
 Rule 2: at a corner no axis changes its rate by more than its start/stop rate.
 Rule 3: along many short segments the path turns all the time, and the sum of harmless corners is
         an acceleration. It is held to the axis' limit too, as in an arc: change of direction per
@@ -102,6 +103,8 @@ class Limits:
         self._per_start = tuple(1 / start_rate_hz(axis) for axis in axes)
         self._per_acceleration = tuple(1 / axis.acceleration_hz_s for axis in axes)
         self._per_turn = tuple(float(axis.steps_per_mm) / axis.acceleration_hz_s for axis in axes)
+        # Like axes follow no faster than the leader goes, which is as fast as each of them may.
+        self._are_alike = len(set(self._per_rate)) == 1
         self._bands = tuple(axis.avoid_hz for axis in axes)
         #: Whether there is a band of rates to avoid.
         self.has_bands = any(self._bands)
@@ -133,7 +136,8 @@ class Limits:
         wanted_mm = steps_mm if way_mm is None else way_mm
         length_mm = path_length_mm(self._groups, steps, steps_mm, way_mm)
         per_mm = 1 / (path_length_mm(self._groups, steps, wanted_mm) or length_mm)
-        limit_mm_s = length_mm / _most(counts, self._per_rate)
+        paced = counts if self._are_alike else [paced_as(n, ticks) for n in counts]
+        limit_mm_s = length_mm / _most(paced, self._per_rate)
         start_mm_s = length_mm / _most(counts, self._per_start)
         accel_mm_s2 = length_mm / _most(counts, self._per_acceleration)
         return Segment(
@@ -222,7 +226,13 @@ class ThreeLinear(Limits):
         if abs_z > ticks:
             ticks = abs_z
         a, b, c = self._per_rate
-        limit_mm_s = length_mm / max(abs_x * a, abs_y * b, abs_z * c)
+        if self._are_alike:
+            limit_mm_s = length_mm / (ticks * a)
+        else:
+            most_x, most_y, most_z = (
+                paced_as(abs_x, ticks), paced_as(abs_y, ticks), paced_as(abs_z, ticks),
+            )  # fmt: skip
+            limit_mm_s = length_mm / max(most_x * a, most_y * b, most_z * c)
         a, b, c = self._per_start
         start_mm_s = length_mm / max(abs_x * a, abs_y * b, abs_z * c)
         a, b, c = self._per_acceleration
@@ -262,7 +272,17 @@ def limits_of(machine: Machine, rate_factor: float = 1.0) -> Limits:
     return (ThreeLinear if is_usual else Limits)(machine, rate_factor)
 
 
-def _most(counts: Sequence[int], per_limit: Sequence[float]) -> float:
+def paced_as(steps: int, ticks: int) -> float:
+    """So many steps in the same time would be as close together as a follower's closest ones.
+
+    A follower steps on the leader's beat: of 51 steps in 100 ticks some follow each other in
+    neighbouring ticks. Its closest steps are ``ticks // steps`` ticks apart, on every player:
+    one that divides ticks into beats only comes nearer to the mean.
+    """
+    return ticks / (ticks // steps) if steps else 0.0
+
+
+def _most(counts: Sequence[float], per_limit: Sequence[float]) -> float:
     return max([n * each for n, each in zip(counts, per_limit, strict=True)])
 
 

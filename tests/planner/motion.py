@@ -77,8 +77,8 @@ def check_limits(axes: tuple[Axis, ...], blocks: list[Block]) -> None:
     """Rates, accelerations and jumps of everything that is played, back to back.
 
     Rates to one cycle and 0.1 %. Acceleration between two neighbouring ticks to 10 % and what a
-    cycle of rounding makes. A jump between blocks to the start/stop rate, 0.1 %, and two ticks of
-    acceleration: the rates are known in the middle of the ticks only.
+    cycle of rounding makes. A jump between blocks to the start/stop rate and 0.1 %, and what the
+    acceleration makes, to 10 %, between the middles of the two ticks: there the rates are known.
     """
     max_hz = np.array([axis.max_rate_hz for axis in axes])
     start_hz = np.array([start_rate_hz(axis) for axis in axes])
@@ -98,6 +98,6 @@ def check_limits(axes: tuple[Axis, ...], blocks: list[Block]) -> None:
         allowed = acceleration * between_s * 1.1 + rounding
         assert (change <= allowed).all(), (change / (acceleration * between_s)).max()
         gap_s = last_s + times[0]
-        assert (np.abs(rates[0] - last) <= start_hz * 1.001 + acceleration * gap_s).all()
+        assert (np.abs(rates[0] - last) <= start_hz * 1.001 + acceleration * gap_s * 0.55).all()
         last, last_s = rates[-1], times[-1]
-    assert (np.abs(last) <= start_hz * 1.001 + acceleration * last_s).all()
+    assert (np.abs(last) <= start_hz * 1.001 + acceleration * last_s * 0.55).all()
