@@ -245,6 +245,11 @@ def _jog(place: _Place, axis: AxisShape, sign: int) -> Row:
     )
 
 
+def is_jog(row: Row) -> bool:
+    """It jogs an axis."""
+    return row.action.startswith("jog(")
+
+
 def _zero_rows(axes: Sequence[AxisShape]) -> list[Row]:
     """One for each axis: its capital letter, where that is free."""
     taken = {key for row in _FIXED for key in row.keys.split(",")}

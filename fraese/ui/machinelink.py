@@ -8,6 +8,7 @@ Rule 2: stop and hold do not wait in line behind anything.
 Rule 3: the latest state wins; alarms and refusals are messages of their own, each is shown.
 """
 
+import time
 from collections.abc import Callable, Sequence
 from typing import Final
 
@@ -15,6 +16,7 @@ from textual.message import Message
 
 from fraese.control.asleft import Left, left_by_crash, take_as_left
 from fraese.control.controller import Controller
+from fraese.control.heldjog import HeldJog
 from fraese.control.state import OVERRIDES, RAPID_OVERRIDES, MachineState, Status, three_decimals
 from fraese.control.worker import Command, Worker
 from fraese.ui.feed import StateFeed
@@ -64,6 +66,7 @@ class MachineLink:
         self._jogger = Jogger(
             controller, self._worker, lambda said: post(Noted(said)), self._refused
         )
+        self._held: HeldJog | None = None
         self.shape = shape_of(controller)
         self.switches_tried: frozenset[str] = frozenset()
         self.left_at_start = left_by_crash(controller)
@@ -205,6 +208,22 @@ class MachineLink:
     def jog(self, axis: str, *, steps: int = 0, mm: float = 0.0, held: bool = False) -> bool:
         """One press of a jog key: so many steps, or mm; ``held``: the key is held down."""
         return self._jogger.press(axis, steps=steps, mm=mm, held=held)
+
+    def hold_jog(self, axis: str, sign: int) -> bool:
+        """A jog that runs while it is held; see ``HeldJog``."""
+        self._held = held = HeldJog(time.monotonic)
+        return self.order_of(lambda controller: held.start(controller, axis, sign))
+
+    def still_held(self) -> None:
+        """So it is."""
+        if self._held is not None:
+            self._held.hold()
+
+    def let_go_held(self) -> None:
+        """It is not held any more."""
+        if self._held is not None:
+            self._held.let_go()
+        self._held = None
 
     def let_go(self) -> None:
         """A jog key that was held was let go."""

@@ -16,13 +16,14 @@ from fraese.ui.dialogs.confirm import ConfirmDialog
 from fraese.ui.dialogs.goto import GoTo, GoToDialog
 from fraese.ui.dialogs.reference import Reference, ReferenceDialog
 from fraese.ui.dialogs.switches import SwitchPage
-from fraese.ui.keys import Area
+from fraese.ui.keys import Area, is_jog
 from fraese.ui.programs import Program
 from fraese.ui.views.byhand import ByHand
 from fraese.ui.views.running import RunsPrograms
 from fraese.ui.views.view import BUSY, Desk
 from fraese.ui.widgets.commands import CommandList
 from fraese.ui.widgets.fact import Fact, Flowing
+from fraese.ui.widgets.jogpad import JogButton, JogPad
 from fraese.ui.widgets.path import PathView
 from fraese.ui.widgets.position import PositionPanel
 from fraese.ui.widgets.status import JobLine, WidthBar
@@ -63,7 +64,10 @@ class MachineView(RunsPrograms, ByHand):
             yield self._position
             yield self._path
         yield self._widths
-        yield CommandList(self.desk.keys.listed)
+        with Horizontal(id="hand"):
+            yield JogPad(self.desk.link.shape.axes)
+            # What the pad does needs no row.
+            yield CommandList([row for row in self.desk.keys.listed if not is_jog(row)])
         with Horizontal(id="job-line"):
             yield self._job
             yield Fact(" · ".join(filter(None, ("fraese", self.desk.machine_name))), id="title")
@@ -131,6 +135,24 @@ class MachineView(RunsPrograms, ByHand):
         mm, held = sign * (width_mm or 0.0), self.desk.repeats.held
         self.expect(self.desk.link.jog(axis, steps=steps, mm=mm, held=held))
         self._show_job()
+
+    def on_jog_button_pressed(self, message: JogButton.Pressed) -> None:
+        """A click is a press of the key, but no key."""
+        if type(message) is JogButton.Pressed:
+            self.desk.repeats.forget()
+            self.action_jog(message.axis, message.sign)
+
+    def on_jog_button_held(self, message: JogButton.Held) -> None:
+        """It runs until it is let go."""
+        self.expect(self.desk.link.hold_jog(message.axis, message.sign))
+
+    def on_jog_button_still_held(self) -> None:
+        """The one who holds it is still there."""
+        self.desk.link.still_held()
+
+    def on_jog_button_let_go(self) -> None:
+        """Brake."""
+        self.desk.link.let_go_held()
 
     def action_width(self, by: int) -> None:
         """The next width, or the one before."""

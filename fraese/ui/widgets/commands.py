@@ -5,11 +5,12 @@ from typing import Final
 
 from textual.app import ComposeResult
 from textual.containers import Grid
+from textual.widgets import Static
 
 from fraese.ui.keys import Row
 from fraese.ui.widgets.links import Link
 
-_COLUMNS: Final = 4
+_COLUMNS: Final = 3
 
 
 class CommandList(Grid):
@@ -36,3 +37,5 @@ class CommandList(Grid):
                 if row < len(column):
                     command = column[row]
                     yield Link(command.action, command.shown.ljust(width), command.title)
+                else:
+                    yield Static("")

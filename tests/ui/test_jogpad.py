@@ -1,0 +1,53 @@
+"""The pad: a click is one width, a button that is held runs until it is let go."""
+
+from fraese.ui.widgets.jogpad import HELD_S, JogButton
+from tests.ui.helpers import LONG_MOVE_MM, bench, play
+
+
+def test_a_click_is_one_width() -> None:
+    async def scene() -> None:
+        async with bench() as b:
+            await b.pilot.click("#jog-y-down")
+            await b.settled()
+            await b.press("5")
+            await b.pilot.click("#jog-z-up")
+            await b.settled()
+            assert b.moved_steps == (0, -200, 2000)
+
+    play(scene)
+
+
+def test_a_button_that_is_held_runs_until_it_is_let_go() -> None:
+    async def scene() -> None:
+        async with bench(clock="paced") as b:
+            await b.pilot.mouse_down("#jog-x-up")
+            await b.pilot.pause(HELD_S)
+            await b.wait(lambda: b.moved_steps[0] > 2 * 200)
+            button = b.view.query_one("#jog-x-up", JogButton)
+            assert button.has_class("-down")
+            await b.pilot.mouse_up("#jog-x-up")
+            await b.settled()
+            at = b.moved_steps[0]
+            assert at < 0.9 * LONG_MOVE_MM * 200
+            assert not button.has_class("-down")
+            await b.pilot.pause(0.3)
+            assert b.moved_steps[0] == at
+            assert b.mill.look().lost_steps == (0, 0, 0)
+
+    play(scene)
+
+
+def test_the_stop_key_stops_what_is_held() -> None:
+    async def scene() -> None:
+        async with bench(clock="paced") as b:
+            await b.pilot.mouse_down("#jog-x-down")
+            await b.wait(lambda: b.moved_steps[0] < -200)
+            await b.press("escape")
+            await b.settled()
+            at = b.moved_steps[0]
+            await b.pilot.pause(0.3)
+            assert b.moved_steps[0] == at, "what is still held does not set out again"
+            await b.pilot.mouse_up("#jog-x-down")
+            assert not b.app.link.moving
+
+    play(scene)
