@@ -7,10 +7,10 @@ from tests.ui.helpers import LONG_MOVE_MM, bench, play
 def test_a_click_is_one_width() -> None:
     async def scene() -> None:
         async with bench() as b:
-            await b.pilot.click("#jog-y-down")
+            await b.pilot.click("#jog-y-less")
             await b.settled()
             await b.press("5")
-            await b.pilot.click("#jog-z-up")
+            await b.pilot.click("#jog-z-more")
             await b.settled()
             assert b.moved_steps == (0, -200, 2000)
 
@@ -20,12 +20,12 @@ def test_a_click_is_one_width() -> None:
 def test_a_button_that_is_held_runs_until_it_is_let_go() -> None:
     async def scene() -> None:
         async with bench(clock="paced") as b:
-            await b.pilot.mouse_down("#jog-x-up")
+            await b.pilot.mouse_down("#jog-x-more")
             await b.pilot.pause(HELD_S)
             await b.wait(lambda: b.moved_steps[0] > 2 * 200)
-            button = b.view.query_one("#jog-x-up", JogButton)
+            button = b.view.query_one("#jog-x-more", JogButton)
             assert button.has_class("-down")
-            await b.pilot.mouse_up("#jog-x-up")
+            await b.pilot.mouse_up("#jog-x-more")
             await b.settled()
             at = b.moved_steps[0]
             assert at < 0.9 * LONG_MOVE_MM * 200
@@ -40,14 +40,14 @@ def test_a_button_that_is_held_runs_until_it_is_let_go() -> None:
 def test_the_stop_key_stops_what_is_held() -> None:
     async def scene() -> None:
         async with bench(clock="paced") as b:
-            await b.pilot.mouse_down("#jog-x-down")
+            await b.pilot.mouse_down("#jog-x-less")
             await b.wait(lambda: b.moved_steps[0] < -200)
             await b.press("escape")
             await b.settled()
             at = b.moved_steps[0]
             await b.pilot.pause(0.3)
             assert b.moved_steps[0] == at, "what is still held does not set out again"
-            await b.pilot.mouse_up("#jog-x-down")
+            await b.pilot.mouse_up("#jog-x-less")
             assert not b.app.link.moving
 
     play(scene)

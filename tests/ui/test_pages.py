@@ -279,7 +279,7 @@ def test_everything_works_by_mouse() -> None:
     async def scene() -> None:
         async with bench() as b:
             await b.pilot.click("#commands .link")  # Stop, with nothing to stop
-            await b.pilot.click("#jog-x-up")
+            await b.pilot.click("#jog-x-more")
             await b.settled()
             assert b.moved_steps == (200, 0, 0)
             await b.pilot.click("#widths .link")

@@ -50,7 +50,7 @@ class JogButton(Static):
     def __init__(self, axis: AxisShape, sign: int) -> None:
         label = f"{axis.letter}{'+' if sign > 0 else '−'}"
         super().__init__(
-            label, classes="jog-button", id=f"jog-{axis.name}-{'up' if sign > 0 else 'down'}"
+            label, classes="jog-button", id=f"jog-{axis.name}-{'more' if sign > 0 else 'less'}"
         )
         self._axis = axis.name
         self._sign = sign
