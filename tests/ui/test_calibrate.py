@@ -42,6 +42,12 @@ def words(b: Bench, name: str) -> str:
     return view.query_one(f"#calibrate-{name}", Paragraph).text
 
 
+async def opens(b: Bench, key: str) -> None:
+    """A dialog; what is typed before it is there would be for the view."""
+    await b.press(key)
+    await b.wait(lambda: b.app.screen is not b.app.view and len(b.app.screen.query("#yes")) > 0)
+
+
 async def settled(b: Bench, *keys: str) -> None:
     await b.press(*keys)
     await b.settled()
@@ -55,7 +61,7 @@ def test_from_a_measured_way_to_the_file() -> None:
             await b.press("f4")
             await b.press("w")
             assert "nothing to write" in b.app.view.said[0]
-            await b.press("p")
+            await opens(b, "p")
             await b.press("backspace", "backspace", "x", "enter")
             complaint = b.app.screen.query_one("#complaint", Fact).text
             assert complaint == '"x" is no number: give a way, as in 50 or -50.'
@@ -68,15 +74,18 @@ def test_from_a_measured_way_to_the_file() -> None:
             assert "axes.x.pitch_mm: 2 becomes 2.5" in words(b, "proposal")
             await b.press("v")
             assert "2 becomes 2.498" in words(b, "proposal")
-            await b.press("v", "w")
+            await b.press("v")
+            await opens(b, "w")
             assert notebook.written == []
             await b.press("escape")
             assert notebook.written == [], "Back writes nothing"
-            await b.press("w", "enter")
+            await opens(b, "w")
+            await b.press("enter")
             assert [dict(each) for each in notebook.written] == [{"axes.x.pitch_mm": 2.5}]
             assert "Written to /etc/mill.toml" in b.app.view.said[0]
             notebook.full = True
-            await b.press("w", "enter")
+            await opens(b, "w")
+            await b.press("enter")
             assert b.app.view.said[0] == "The disk is full."
 
     play(scene)
@@ -85,24 +94,29 @@ def test_from_a_measured_way_to_the_file() -> None:
 def test_travel_repeatability_and_what_is_refused() -> None:
     async def scene() -> None:
         async with bench(size=(120, 40), config=MILL) as b:
-            await b.press("f4", "m")
+            await b.press("f4")
+            await opens(b, "m")
             assert "X is referenced at x's end switch" in b.app.screen.query(Fact)[1].text
             await settled(b, "enter")
             assert "33.200" in words(b, "finding")
             assert "axes.x.travel_mm: 40 becomes 33.2" in words(b, "proposal")
             await b.press("w")
             assert "no configuration file" in b.app.view.said[0]
-            await b.press("n", "tab", "backspace", "backspace", "3")
+            await opens(b, "n")
+            await b.press("tab", "backspace", "backspace", "3")
             await settled(b, "enter")
             assert "xmin, 3 of 3 approaches" in words(b, "finding")
             assert "+0.0000 mm   3" in words(b, "finding")
             await b.press("right", "right", "m")
             assert "Z has no end switches (axes.z.end_switches)" in b.app.view.said[0]
-            await b.press("right", "d", "enter")
+            await b.press("right")
+            await opens(b, "d")
+            await b.press("enter")
             await b.wait(lambda: b.app._state.question != "")
             await settled(b, "escape")
             assert b.app.screen is b.app.view, "what was given up is not asked for"
-            await settled(b, "n", "q", "enter")
+            await opens(b, "n")
+            await settled(b, "q", "enter")
             assert "is no end" in b.app.screen.query_one("#complaint", Fact).text
 
     play(scene)
@@ -113,7 +127,7 @@ def test_a_frequency_test_by_ear() -> None:
         async with bench(config=MILL, clock="paced") as b:
             await b.press("f4", "h")
             assert "marks belong to a frequency test that runs" in b.app.view.said[0]
-            await b.press("f")
+            await opens(b, "f")
             await b.press(*["backspace"] * 3, *"start", "tab", *"300", "tab", *"900", "tab")
             await b.press(*"200", "tab", *["backspace"] * 3, *"no", "enter")
             await b.wait(lambda: "now 300" in words(b, "finding"))
@@ -148,7 +162,8 @@ def test_the_reference_run_in_words_and_the_switches_that_were_tried() -> None:
                 b.app.link.offer()
 
             b.plant.controller.set_show_pos(look)
-            await b.press("f4", "r")
+            await b.press("f4")
+            await opens(b, "r")
             await settled(b, "y", "enter")
             assert [each for each in said if each.startswith("X")] == [
                 "X: to the switch xmin", "X: off xmin, slowly, until it opens",
@@ -168,7 +183,8 @@ def test_the_reference_run_in_words_and_the_switches_that_were_tried() -> None:
 def test_it_fits_and_leaves_no_remains(size: tuple[int, int]) -> None:
     async def scene() -> None:
         async with bench(size=(120, 40), config=MILL) as b:
-            await b.press("f4", "n")
+            await b.press("f4")
+            await opens(b, "n")
             await settled(b, "enter")
             await b.pilot.resize_terminal(*size)
             await b.pilot.pause()

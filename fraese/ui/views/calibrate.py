@@ -110,7 +110,8 @@ class CalibrateView(View):
         self._ask_what_was_made(state)
 
     def _show_found(self, *, running: bool) -> None:
-        calibration, width = self.calibration, max(30, self._finding.size.width)
+        # A scroll bar may come to it.
+        calibration, width = self.calibration, max(30, self._finding.size.width - 2)
         test = calibration.test if calibration.last == self._routine.name else None
         what = self._what_words(self._routine)
         self._what.show(what if test is None or self.size.height >= _ROOMY_ROWS else "")
