@@ -204,6 +204,8 @@ class Runner:
         if late and not self._brakes_for_record:
             self._driver.brake()
         elif self._brakes_for_record and not late and not (self._held or self.cancelling):
+            # It may have stood for so long that the record says "at rest".
+            self._queue.recorder.require([])
             self._driver.resume()
         self._brakes_for_record = late
 

@@ -411,3 +411,38 @@ def test_who_waited_until_the_record_said_at_rest_moves_again(
     assert rested
     assert controller.state().position_mm == (1, 0, 0)
     made.close()
+
+
+def test_who_braked_for_a_late_record_goes_on_only_when_the_record_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Given no time for a second meanwhile, it said "at rest", with blocks in the queue."""
+    made = assemble(configured(), state=tmp_path, clock="paced")
+    controller, recorder = made.controller, made.recorder
+    assert isinstance(recorder, JournalRecorder)
+    runner, driver = controller._loop.runner, controller._loop._driver
+    resume, said_moving = driver.resume, []
+
+    def resumed() -> None:
+        said_moving.append(kept(tmp_path)["motion"] is not None)
+        resume()
+
+    def brake() -> None:
+        if controller._queue.report.running and not runner._brakes_for_record and not said_moving:
+            runner._brakes_for_record = True
+            driver.brake()
+            while driver.poll(0.02).running:
+                pass
+            controller._queue.poll()
+            recorder._say_resting()
+            recorder.wait(5)
+            assert kept(tmp_path)["motion"] is None
+
+    monkeypatch.setattr(driver, "resume", resumed)
+    controller.set_break_key(brake)
+    controller.jog("x", 4)
+    assert controller.run() is Status.OK, controller.state().message
+    assert said_moving
+    assert all(said_moving)
+    assert controller.state().position_mm[0] == 4
+    made.close()
