@@ -37,6 +37,9 @@ def explained(line: str, error: ProgramError) -> ProgramError:
         line: as it was written.
         error: what the reader made of it.
     """
+    if "is refused:" in error.message:
+        # A code with a reason of its own; what else stands on its line is its words.
+        return error
     text = _BRACKETS.sub("0", _REMARKS.sub(" ", line)).strip()
     for look in _LOOKS:
         said = look(text)
