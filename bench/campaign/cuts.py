@@ -21,13 +21,14 @@ from bench.campaign.frame import Attempt, Kind, Outcome
 from bench.campaign.mounts import Disk, missing
 from bench.campaign.signals import begin, fake_port_missing
 from fraese.assembly import assemble
+from fraese.control.recorder import JournalRecorder
 from tests.helpers import configured
 from tests.rigs.lpt.shop import Shop, children_of, is_alive
 
 _MANY: Final = 200
 _LATEST_S: Final = 10.0
 _SOON_S: Final = 2.0
-MARK_MS: Final = 50.0
+MARK_S: Final = 5.0
 
 
 def cut(attempt: Attempt) -> Outcome:
@@ -68,13 +69,15 @@ def mark(attempt: Attempt) -> Outcome:
     """How long a start waits for its mark, on the disk that temporary files are on."""
     made = assemble(configured(), state=attempt.folder / "state", clock="paced")
     try:
+        recorder = made.recorder
+        assert isinstance(recorder, JournalRecorder)
         # The first one makes the file.
-        made.recorder.before_motion()
-        made.recorder.rests()
+        recorder.before_motion()
         made.controller.set_zero("x", attempt.random.uniform(0, 9))
-        made.recorder._asked = made.recorder._box = None  # type: ignore[attr-defined]
+        recorder._say_resting()
+        recorder.wait(MARK_S)
         since_s = time.monotonic()
-        made.recorder.before_motion()
+        recorder.before_motion()
         took_ms = (time.monotonic() - since_s) * 1e3
     finally:
         made.close()
