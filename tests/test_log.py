@@ -53,7 +53,7 @@ def test_a_line_has_time_module_procedure_place_and_text(made: Plant) -> None:
     made.controller.jog("y", -1.5)
     entry = next(line for line in lines(made) if " jog " in line)
     date, clock, module, procedure, place, *text = entry.split()
-    assert (module, procedure, place) == ("CONTROLLER", "jog", "entry")
+    assert (module, procedure, place) == ("COMMANDS", "jog", "entry")
     assert " ".join(text) == "'y', -1.5"
     assert len(date) == 10
     assert len(clock) == 12

@@ -84,8 +84,8 @@ class RunConfig(Section):
     confirm_spindle: Literal["first", "every", "never"] = Field(
         "first",
         description=(
-            "When the operator must confirm what a spindle switched by hand does: the first time"
-            " that it is to run in a job, every change, or never."
+            "When the operator confirms a spindle switched by hand: its first start in a job, every"
+            " change, or never."
         ),
     )
     spin_up_s: float = Field(
@@ -120,8 +120,8 @@ class RunConfig(Section):
         ge=0.05,
         le=10,
         description=(
-            "Motion kept in the queue ahead of the motors, s; they brake when half of it was played"
-            " and the disk has taken no record of it; more is kept where stopping takes longer."
+            "Motion kept ahead of the motors, s; more where stopping takes longer. They brake when"
+            " half of it is played and not recorded."
         ),
     )
 

@@ -187,10 +187,6 @@ def test_a_wrong_call_is_refused(shop: Shop, words: tuple[str, ...], said: str) 
 def test_a_file_that_is_no_program_is_refused_before_anything_moves(
     shop: Shop, text: bytes, said: str
 ) -> None:
-    if not text:
-        # Nothing in it is nothing to do.
-        assert shop.run("run", shop.file(text)).exit_code == 0
-        return
     path = shop.file(text, "points.csv" if text.startswith(b"x;") else "part.ngc")
     endless = b"while" in text
     for command in ("run",) if endless else ("run", "check", "frame"):

@@ -205,6 +205,8 @@ def keys_of(section: type[Section], place: str = "") -> Iterator[tuple[str, Any]
 def test_true_is_taken_by_no_key_but_a_switch() -> None:
     keys = dict(keys_of(Config))
     assert len(keys) > 60
+    # It was a switch once.
+    del keys["run.confirm_spindle"]
     for key, kind in keys.items():
         *tables, last = key.split(".")
         raw: dict[str, Any] = {last: True}

@@ -18,17 +18,17 @@ def a_note(name: str) -> Any:
 
 
 def unfinished() -> tuple[Unfinished, SimpleNamespace]:
-    """And the report of its motors."""
-    report = SimpleNamespace(tag=0)
-    queue = cast(MotionQueue, SimpleNamespace(report=report))
+    """And the queue of its motors."""
+    queue = SimpleNamespace(tag=0)
     offsets = SimpleNamespace(parameters={5220: 1.0})
-    return Unfinished(queue, cast(Position, SimpleNamespace(offsets=offsets))), report
+    position = cast(Position, SimpleNamespace(offsets=offsets))
+    return Unfinished(cast(MotionQueue, queue), position), queue
 
 
 def test_while_a_program_runs_none_is_gone_on_with() -> None:
-    kept, report = unfinished()
+    kept, queue = unfinished()
     kept.begin(a_note("one"))
-    report.tag = 7
+    queue.tag = 7
     assert kept.place is None
     # But it is kept: a crash may come.
     assert kept.known() == {"name": "one", "line": 7, "parameters": {5220: 1.0}}
@@ -46,19 +46,19 @@ def test_one_that_ended_well_is_forgotten() -> None:
 
 
 def test_what_moves_between_two_programs_changes_nothing() -> None:
-    kept, report = unfinished()
+    kept, queue = unfinished()
     kept.begin(a_note("one"))
-    report.tag = 7
+    queue.tag = 7
     kept.end(done=False)
     kept.begin(None)
-    report.tag = 3
+    queue.tag = 3
     kept.end(done=True)
     assert kept.place == CutShort("one", 7)
 
 
 def test_one_that_is_given_up_for_another_is_cut_short_until_that_begins() -> None:
-    kept, report = unfinished()
+    kept, queue = unfinished()
     kept.begin(a_note("one"))
-    report.tag = 7
+    queue.tag = 7
     kept.begin(None)
     assert kept.place == CutShort("one", 7)

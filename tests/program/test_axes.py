@@ -167,7 +167,9 @@ def test_a_rotary_axis_is_referenced_by_its_name_and_turns_without_end() -> None
     controller.move_to({"a": -3600.0}, feed_mm_min=100_000)
     done(made)
     assert at(made)["a"] == pytest.approx(250 - 3600)
-    with pytest.raises(LimitError, match=r"A 2e\+07° is further than steps are counted"):
+    with pytest.raises(
+        LimitError, match=r"A 2e\+07 is further than any machine: at most 10,000,000° either way"
+    ):
         controller.move_to({"a": 2e7})
     with pytest.raises(LimitError, match=r"longer than 0 and at most 50°, not 60°"):
         controller.jog("a", 60)

@@ -15,7 +15,6 @@ from fraese.assembly.simulation import simulated_mill
 from fraese.control.state import Status
 from fraese.motor.bridge import line as serial_line
 from fraese.motor.clock import VirtualClock
-from fraese.motor.core import MotorCore
 from fraese.motor.ports.recorder import Recorder
 from fraese.motor.realtime import child
 from fraese.motor.realtime import driver as realtime
@@ -54,10 +53,13 @@ def _stepped_by_a_process(monkeypatch: pytest.MonkeyPatch) -> Bench:
     config, clock = configured(**merged(LASER, {"port": {"kind": "ppdev"}})), VirtualClock()
     recorder = Recorder(simulated_mill(config, clock), clock)
 
-    def core(setup: Setup) -> MotorCore:
+    def core(setup: Setup) -> Any:
         here: Any = clock
         memory: Any = None
-        return child._core(replace(setup, open_port=lambda: recorder), here, memory)
+        core: Any = child._core(replace(setup, open_port=lambda: recorder), here, memory)
+        # Without a host that may die it needs no lease.
+        core.lease = lambda until_ns: None
+        return core
 
     monkeypatch.setattr(realtime, "RealtimeDriver", core)
     _on_metal_in(clock, monkeypatch)
@@ -84,7 +86,9 @@ def _on_metal_in(clock: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         drivers,
         "on_metal",
-        lambda driver, its_clock, trace=None: drivers.Made(driver, its_clock, 0.02, trace=trace),
+        lambda driver, its_clock, trace=None, lease=None: drivers.Made(
+            driver, its_clock, 0.02, trace=trace, lease=lease
+        ),
     )
 
 

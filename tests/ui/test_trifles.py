@@ -8,6 +8,7 @@ from fraese.program import open_program
 from fraese.ui.dialogs.goto import GoToDialog
 from fraese.ui.dialogs.help import HelpPage
 from fraese.ui.views.machine import MachineView
+from fraese.ui.widgets.fact import Fact
 from tests.ui.helpers import bench, play
 
 
@@ -30,21 +31,29 @@ def test_ctrl_c_at_standstill_closes_what_escape_closes() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "where", "said"),
     [
-        ("X1" + "0" * 24, "X 1e+24 is further than any machine: at most 10,000,000 mm either way."),
-        ("X1 F99999999", "F 99999999 mm/min is more than the axes can: it goes with 1200."),
+        (
+            "X1" + "0" * 24,
+            "#complaint",
+            "X 1e+24 is further than any machine: at most 10,000,000 mm either way.",
+        ),
+        (
+            "X1 F99999999",
+            "#message",
+            "F 99999999 mm/min is more than the axes can: it goes with 1200.",
+        ),
     ],
 )
-def test_numbers_that_no_machine_has(words: str, said: str) -> None:
+def test_numbers_that_no_machine_has(words: str, where: str, said: str) -> None:
     async def scene() -> None:
         async with bench() as b:
             await b.press("g")
             await b.type(words)
             await b.press("enter")
-            await b.wait(lambda: b.text("#message") == said)
+            await b.wait(lambda: b.app.screen.query_one(where, Fact).text == said)
             await b.settled()
-            assert b.text("#message") == said
+            assert b.app.screen.query_one(where, Fact).text == said
 
     play(scene)
 
