@@ -29,6 +29,8 @@ BLOCKS = st.builds(
     outputs=st.none() | st.builds(Outputs, WORD, WORD),
     tag=WORD,
     override_q8=WORD,
+    # Of no interest to whoever plays it.
+    is_rapid=st.just(False),
 )
 
 

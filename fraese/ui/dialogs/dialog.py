@@ -83,7 +83,8 @@ class Dialog(LivePage[R]):
 
     @on(Button.Pressed, "#yes")
     def _yes(self) -> None:
-        self.action_accept()
+        if self.is_there:
+            self.action_accept()
 
     @on(Button.Pressed, "#back")
     def _back(self) -> None:
@@ -91,4 +92,5 @@ class Dialog(LivePage[R]):
 
     @on(Input.Submitted)
     def _entered(self) -> None:
-        self.action_accept()
+        if self.is_there:
+            self.action_accept()

@@ -3,6 +3,7 @@
 from abc import abstractmethod
 from typing import TypeVar
 
+from textual.await_complete import AwaitComplete
 from textual.screen import ModalScreen
 
 from fraese.control.state import MachineState
@@ -25,6 +26,18 @@ class Page(ModalScreen[R | None]):
         super().__init__()
         self.keys = keys
         bind(self, keys.of(self.AREA))
+
+    @property
+    def is_there(self) -> bool:
+        """It has not been closed.
+
+        A stop key closes it before a button that was pressed earlier is heard.
+        """
+        return self in self.app.screen_stack
+
+    def dismiss(self, result: R | None = None) -> AwaitComplete:
+        """Close it with this result, once."""
+        return super().dismiss(result) if self.is_there else AwaitComplete()
 
     def action_back(self) -> None:
         """Nothing is wanted."""
