@@ -268,7 +268,7 @@ class Jogs:
         end_mm = hand.ends_mm[beyond[0]]
         self._rests[hand.motor] = here, end_mm
         way_steps = self._waiting.first_way(axis)
-        if way_steps * sign < 0 and (end_mm / axis.step_mm + way_steps - here) * sign >= 0:
+        if way_steps * sign < 0 and (end_mm / axis.step_mm + way_steps - here) * sign > 0:
             # Never on in the old direction.
             del self._rests[hand.motor]
         left_out, self._left_out = self._left_out, None

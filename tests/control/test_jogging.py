@@ -84,6 +84,17 @@ def test_what_waits_is_shown_while_it_moves() -> None:
     assert hand.moved == (600, -200, 0)
 
 
+def test_turned_before_it_has_set_out_it_stays() -> None:
+    """Also then the press in hand counts as made."""
+    hand = Hand()
+    hand.presses("x+ x+", 10)
+    hand.jogs.start()
+    hand.press("x", -1, 10)
+    hand.controller.run()
+    assert hand.moved == (0, 0, 0)
+    assert hand.told == ["X+ was turned round: 1 press that had not begun is left out."]
+
+
 def test_the_opposite_key_brakes_at_once_and_then_goes_the_other_way() -> None:
     hand, at = Hand(), []
     hand.press("x", 1, 10)
