@@ -41,15 +41,20 @@ class Hand:
         slices = 0
         pending = list(plan)
 
+        def due(at: int) -> None:
+            while pending and pending[0][0] <= at:
+                pending.pop(0)[1]()
+
         def break_key() -> None:
             nonlocal slices
             slices += 1
-            while pending and pending[0][0] <= slices:
-                pending.pop(0)[1]()
+            due(slices)
 
         self.controller.set_break_key(break_key)
         while True:
             self.jogs.start()
+            # What comes at once comes before the first step.
+            due(slices + 1)
             status = self.controller.run()
             if status is not Status.OK or not (pending or self.jogs.waiting):
                 return status
