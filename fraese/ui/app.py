@@ -36,7 +36,8 @@ from fraese.ui.dialogs.switches import Hand
 from fraese.ui.eventlog import EventLog, Kind
 from fraese.ui.fingers import Fingers
 from fraese.ui.handtools import HandTools, NoTools
-from fraese.ui.keys import PALETTE, STOP_BYTE_KEY, STOP_KEYS, Area, KeyTable
+from fraese.ui.keyrows import Area, KeyTable
+from fraese.ui.keyrows.everywhere import PALETTE, STOP_BYTE_KEY, STOP_KEYS
 from fraese.ui.linehistory import LineHistory
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.messages import Alarmed, Noted, Refused

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from textual.binding import Binding
 from textual.dom import DOMNode
 
-from fraese.ui.keys import Row
+from fraese.ui.keyrows import Row
 
 
 def bind(node: DOMNode, rows: Iterable[Row]) -> None:

@@ -21,7 +21,6 @@ from fraese.control.state import OVERRIDES, RAPID_OVERRIDES, MachineState, Statu
 from fraese.control.worker import Command, Worker
 from fraese.ui.feed import StateFeed
 from fraese.ui.jogging import Jogger
-from fraese.ui.keys import said
 from fraese.ui.messages import Alarmed, Noted, Refused, StateChanged
 from fraese.ui.shape import shape_of
 
@@ -238,15 +237,16 @@ class MachineLink:
         """Run to the end switches."""
         return self.order(lambda: self._controller.home(axes, measure=measure))
 
-    def zero(self, axes: Sequence[str]) -> bool:
-        """Work zero here; tells where this point was before."""
+    def zero(self, axes: Sequence[str], undo_key: str) -> bool:
+        """Work zero here; tells where this point was before, and which key undoes it."""
 
         def zero() -> None:
             before = self._controller.state()
             self._controller.set_zero(axes)
             was = self._position_words(before, axes)
-            undoes = f"{said('undo_zero')} undoes it"
-            self._post(Noted(f"Work zero set here; this point was {was} before; {undoes}."))
+            self._post(
+                Noted(f"Work zero set here; this point was {was} before; {undo_key} undoes it.")
+            )
 
         return self.order(zero)
 

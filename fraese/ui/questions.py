@@ -7,7 +7,7 @@ from textual.app import App
 
 from fraese.control.state import MachineState, Status
 from fraese.ui.dialogs.ask import AskDialog, Reply
-from fraese.ui.keys import KeyTable, said
+from fraese.ui.keyrows import KeyTable
 from fraese.ui.machinelink import MachineLink
 
 #: An answer has arrived after this time; the same question then is a new one.
@@ -59,7 +59,9 @@ class Questions:
             self._put_aside = question
             if reply is Reply.LIFT:
                 self._link.lift()
-            self._say(f"{question} Meanwhile move by hand; {said('acknowledge')} goes on.")
+            self._say(
+                f"{question} Meanwhile move by hand; {self._keys.said('acknowledge')} goes on."
+            )
             return
         self._answer_is_new = True
         self._app.set_timer(_ANSWER_S, self._arrived)

@@ -28,7 +28,7 @@ from textual.events import Key, MouseEvent, Paste, Resize
 from textual.message import Message
 
 from fraese.earlyterminal import EARLY
-from fraese.ui.keys import QUIT_KEYS, STOP_BYTE, STOP_BYTE_KEY, STOP_KEYS
+from fraese.ui.keyrows.everywhere import QUIT_KEYS, STOP_BYTE, STOP_BYTE_KEY, STOP_KEYS
 from fraese.ui.pastes import with_pastes
 from fraese.ui.screenwriter import ScreenWriter
 

@@ -121,7 +121,7 @@ def test_some_moves_back_and_what_has_changed_since(tmp_path: Path) -> None:
             path = tmp_path / "part.ngc"
             await cut_short(b, path)
             path.write_text(PART.replace("Y4", "Y9"))
-            b.app.link.zero(("x",))
+            b.app.link.zero(("x",), "u")
             await b.settled()
             dialog = await asked(b)
             moves = dialog._resumption.moves
@@ -228,7 +228,7 @@ def test_at_the_smallest_size_all_of_it_can_be_read(tmp_path: Path) -> None:
         async with bench(**keeping(tmp_path)) as b:
             await cut_short(b, tmp_path / "part.ngc")
             (tmp_path / "part.ngc").unlink()
-            b.app.link.zero(("x", "y", "z"))
+            b.app.link.zero(("x", "y", "z"), "u")
             await b.settled()
             dialog = await asked(b)
             assert dialog.query_one(".hint").region.bottom <= 24

@@ -120,7 +120,7 @@ def test_the_present_position_is_set_halved_and_touched_off() -> None:
 def test_the_work_zero_is_gone_to_by_a_safe_way() -> None:
     async def scene() -> None:
         async with bench() as b:
-            b.app.link.zero("xyz")
+            b.app.link.zero("xyz", "u")
             await b.settled()
             await b.jog("right", "up")
             await b.press("G")

@@ -8,7 +8,7 @@ from fraese.alarms import END_SWITCH
 from fraese.control.state import MachineState, Status, three_decimals
 from fraese.control.switchtest import SwitchTest
 from fraese.ui.feed import StateFeed
-from fraese.ui.keys import GROUPS, KeyTable
+from fraese.ui.keyrows import GROUPS, KeyTable
 from fraese.ui.shape import AxisShape, Shape
 from fraese.ui.widgets.statebar import Seen, seen
 from fraese.ui.widgets.status import clock_words, lost_words, switch_words

@@ -13,7 +13,7 @@ from textual.widgets import Button
 
 from fraese.config import Config
 from fraese.ui.dialogs.goto import GoToDialog
-from fraese.ui.keys import STOP_KEYS
+from fraese.ui.keyrows.everywhere import STOP_KEYS
 from fraese.ui.stopkey import EarlyStop
 from tests.ui.helpers import Bench, FakeProgram, bench, play
 

@@ -4,7 +4,7 @@ import pytest
 from textual.app import ComposeResult
 
 from fraese.control.state import MachineState
-from fraese.ui.keys import Area, KeyTable
+from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.views import VIEWS
 from fraese.ui.views.view import View
 from fraese.ui.widgets.fact import Fact

@@ -12,7 +12,7 @@ from fraese.control.workcommands import select_system, store_system, systems
 from fraese.errors import UsageError
 from fraese.ui.dialogs.line import Command, LineDialog
 from fraese.ui.handtools import HandTools
-from fraese.ui.keys import Area, KeyTable
+from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.linehistory import LineHistory
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.widgets.fact import Fact, Lines

@@ -4,7 +4,7 @@ from textual.app import ComposeResult
 from textual.widgets import Button
 
 from fraese.ui.dialogs.dialog import Dialog
-from fraese.ui.keys import Area, KeyTable
+from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.widgets.fact import Fact
 
 

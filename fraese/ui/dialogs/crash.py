@@ -8,7 +8,7 @@ from textual.widgets import Button
 
 from fraese.control.asleft import Left
 from fraese.ui.dialogs.dialog import Dialog
-from fraese.ui.keys import Area, KeyTable
+from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.widgets.fact import Fact
 
 

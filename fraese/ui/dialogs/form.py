@@ -9,7 +9,7 @@ from textual.widgets import Input
 
 from fraese.errors import FraeseError, UsageError
 from fraese.ui.dialogs.dialog import Dialog
-from fraese.ui.keys import Area, KeyTable
+from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.widgets.fact import Fact
 
 #: As words, by the names of the fields.

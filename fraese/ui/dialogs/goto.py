@@ -9,7 +9,7 @@ from textual.widgets import RadioButton, RadioSet
 from fraese.axiswords import Target, target
 from fraese.ui.dialogs.dialog import Choice
 from fraese.ui.dialogs.line import Command, LineDialog
-from fraese.ui.keys import Area, KeyTable
+from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.shape import Shape
 from fraese.ui.widgets.fact import Fact

@@ -7,7 +7,8 @@ from textual.containers import Vertical, VerticalScroll
 from textual.widgets import Static
 
 from fraese.ui.dialogs.page import Page
-from fraese.ui.keys import GROUPS, PALETTE, Area, said
+from fraese.ui.keyrows import GROUPS, Area
+from fraese.ui.keyrows.everywhere import PALETTE
 from fraese.ui.widgets.fact import Fact
 
 
@@ -25,7 +26,7 @@ class HelpPage(Page[None]):
                     yield Fact(group, classes="help-heading")
                     yield Static(self._group(group), classes="help-group")
                 yield Static("\n\n".join(self.keys.notes()), classes="help-notes", markup=False)
-            palette = f"Every command is also in the palette: {said(PALETTE.action)}."
+            palette = f"Every command is also in the palette: {PALETTE.said}."
             yield Fact(f"{palette}   {self.keys.hint(self.AREA)}", classes="hint")
 
     def _group(self, group: str) -> Table:

@@ -9,7 +9,7 @@ from textual.widgets import Button, Input
 from fraese.control.controller import Controller
 from fraese.errors import FraeseError
 from fraese.ui.dialogs.dialog import Dialog
-from fraese.ui.keys import KeyTable
+from fraese.ui.keyrows import KeyTable
 from fraese.ui.machinelink import MachineLink
 
 #: Nobody types more; a paste is cut.

@@ -14,7 +14,7 @@ from textual.widgets.option_list import Option
 
 from fraese.plaintext import dotted, plain
 from fraese.ui.dialogs.dialog import Dialog
-from fraese.ui.keys import Area, KeyTable
+from fraese.ui.keyrows import Area, KeyTable
 
 #: A key in a longer text takes longer than the next needs to come.
 _LONGEST: Final = 2_000

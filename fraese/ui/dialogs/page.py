@@ -8,7 +8,7 @@ from textual.screen import ModalScreen
 
 from fraese.control.state import MachineState
 from fraese.ui.bindings import bind
-from fraese.ui.keys import Area, KeyTable
+from fraese.ui.keyrows import Area, KeyTable
 
 R = TypeVar("R")
 

@@ -7,7 +7,7 @@ from textual.containers import Horizontal
 from textual.widgets import Button, Checkbox
 
 from fraese.ui.dialogs.dialog import Dialog, Tick
-from fraese.ui.keys import Area, KeyTable
+from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.shape import Shape
 
 

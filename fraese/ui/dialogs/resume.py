@@ -10,7 +10,7 @@ from textual.widgets import Button
 
 from fraese.errors import FraeseError
 from fraese.ui.dialogs.dialog import Dialog
-from fraese.ui.keys import Area, KeyTable
+from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.programs import Resumption, Way
 from fraese.ui.widgets.fact import Fact
 

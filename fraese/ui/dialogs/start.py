@@ -15,7 +15,7 @@ from fraese.control.state import MachineState
 from fraese.plaintext import plain
 from fraese.ui.briefing import Line, Problem, lines, may_start, problems
 from fraese.ui.dialogs.dialog import Dialog
-from fraese.ui.keys import Area, KeyTable
+from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.programs import Program
 from fraese.ui.shape import Shape
 from fraese.ui.widgets.fact import Fact

@@ -8,7 +8,7 @@ from textual.containers import Vertical
 from fraese.control.state import MachineState
 from fraese.control.switchtest import SwitchTest
 from fraese.ui.dialogs.page import LivePage
-from fraese.ui.keys import Area, KeyTable
+from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.shape import Shape
 from fraese.ui.widgets.fact import Fact
 from fraese.ui.widgets.status import switch_words

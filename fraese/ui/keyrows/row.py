@@ -61,3 +61,13 @@ class Row:
     footer: str = ""
     hint: str = ""
     priority: bool = False
+
+    @property
+    def each(self) -> tuple[str, ...]:
+        """Its keys, one by one."""
+        return tuple(filter(None, self.keys.split(",")))
+
+    @property
+    def said(self) -> str:
+        """The key as a sentence names it: "Esc", "o", "Ctrl+Q"."""
+        return f"Ctrl+{self.shown[1:].upper()}" if self.shown.startswith("^") else self.shown

@@ -9,7 +9,7 @@ from fraese.control.benchfacts import BenchFacts
 from fraese.control.controller import Controller
 from fraese.control.slowmotion import turn_slowly
 from fraese.control.state import MachineState
-from fraese.ui.keys import Area
+from fraese.ui.keyrows import Area
 from fraese.ui.views.calibrate import Paragraph
 from fraese.ui.views.view import Desk, View
 from fraese.ui.widgets import lamps

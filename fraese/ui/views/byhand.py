@@ -1,5 +1,7 @@
 """What Move does besides jogs: typed lines, positions, the way to zero, offsets, probing."""
 
+from collections.abc import Sequence
+
 from fraese.control.workcommands import go_to_zero
 from fraese.ui.dialogs.byhand import OffsetsDialog, ProbeDialog, SetDialog, TypedDialog
 from fraese.ui.views.afterfaults import AfterFaults
@@ -22,11 +24,15 @@ class ByHand(AfterFaults):
         if line:
             self.note(f"Work position set here: {line.upper()}.")
 
+    def zero(self, axes: Sequence[str]) -> None:
+        """Work zero here, of these axes."""
+        self.expect(self.desk.link.zero(axes, self.desk.keys.said("undo_zero")))
+
     def action_zero_two(self) -> None:
         """Work zero of the two axes of the table."""
         names = [name for name in "xy" if name in self.desk.link.shape.names]
         if names:
-            self.expect(self.desk.link.zero(names))
+            self.zero(names)
         else:
             self.refuse("This machine has neither X nor Y.")
 

@@ -18,8 +18,8 @@ from fraese.ui.dialogs.consent import ConsentDialog
 from fraese.ui.dialogs.form import Field, FormDialog, Words, number, number_or_none, whole
 from fraese.ui.dialogs.reference import Reference, ReferenceDialog
 from fraese.ui.dialogs.switches import SwitchPage
+from fraese.ui.keyrows import Area
 from fraese.ui.keyrows.calibrate import CALIBRATE, ROUTINE_ROWS
-from fraese.ui.keys import Area
 from fraese.ui.shape import AxisShape
 from fraese.ui.views.view import BUSY, Desk, View
 from fraese.ui.widgets.fact import Fact

@@ -6,7 +6,7 @@ from textual.app import ComposeResult
 
 from fraese.control.state import MachineState
 from fraese.ui.eventlog import Kind
-from fraese.ui.keys import Area
+from fraese.ui.keyrows import Area
 from fraese.ui.views.view import Desk, View
 from fraese.ui.widgets.events import EventList
 from fraese.ui.widgets.fact import Fact

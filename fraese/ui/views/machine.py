@@ -16,7 +16,8 @@ from fraese.ui.dialogs.confirm import ConfirmDialog
 from fraese.ui.dialogs.goto import GoTo, GoToDialog
 from fraese.ui.dialogs.reference import Reference, ReferenceDialog
 from fraese.ui.dialogs.switches import SwitchPage
-from fraese.ui.keys import Area, is_jog
+from fraese.ui.keyrows import Area
+from fraese.ui.keyrows.axes import is_jog
 from fraese.ui.programs import Program
 from fraese.ui.views.byhand import ByHand
 from fraese.ui.views.running import RunsPrograms
@@ -55,8 +56,8 @@ class MachineView(RunsPrograms, ByHand):
         self._position = PositionPanel(shape)
         width_keys = [row for row in keys.commands if row.action.startswith("set_width")]
         self._widths = WidthBar(self._choice, width_keys)
-        self._path = PathView()
-        self._job = JobLine()
+        self._path = PathView(keys.said("open"))
+        self._job = JobLine(keys.said("acknowledge"))
 
     def inner(self) -> ComposeResult:
         """Top to bottom."""
@@ -184,8 +185,7 @@ class MachineView(RunsPrograms, ByHand):
 
     def action_zero(self, axis: str) -> None:
         """Work zero here, of one axis or (empty) all."""
-        link = self.desk.link
-        self.expect(link.zero((axis,) if axis else link.shape.names))
+        self.zero((axis,) if axis else self.desk.link.shape.names)
 
     def action_lift(self) -> None:
         """Out of the way."""

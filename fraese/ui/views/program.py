@@ -3,7 +3,7 @@
 from textual.app import ComposeResult
 
 from fraese.control.state import MachineState
-from fraese.ui.keys import Area
+from fraese.ui.keyrows import Area
 from fraese.ui.programs import Program
 from fraese.ui.views.running import RunsPrograms
 from fraese.ui.views.view import Desk
@@ -19,7 +19,7 @@ class ProgramView(RunsPrograms):
 
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk)
-        self._pane = ProgramPane(desk.programs, self.state)
+        self._pane = ProgramPane(desk.programs, self.state, desk.keys.said("open"))
 
     def inner(self) -> ComposeResult:
         """All in one pane."""

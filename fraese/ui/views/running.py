@@ -18,7 +18,7 @@ from fraese.control.controller import Controller
 from fraese.errors import FraeseError, StateError
 from fraese.ui.dialogs.open import OpenDialog
 from fraese.ui.dialogs.start import Decision, StartDialog, WayDialog, What
-from fraese.ui.keys import said
+from fraese.ui.keyrows.everywhere import STOP
 from fraese.ui.programs import Facts, Look, Program, in_words
 from fraese.ui.views.view import BUSY, View
 from fraese.ui.widgets.scene import Scene
@@ -56,7 +56,7 @@ class RunsPrograms(View):
         """Read the file, which may be long, beside everything else."""
         programs = self.desk.programs
         look = programs.begin()
-        self.seen.say(f"{path.name} is being read; {said('app.stop_machine')} ends that.")
+        self.seen.say(f"{path.name} is being read; {STOP.said} ends that.")
 
         def read() -> None:
             program = programs.read(path)
@@ -118,9 +118,7 @@ class RunsPrograms(View):
         """Look it through beside everything else; then say so, or ask whether to start it."""
         if look.given_up:
             return
-        self.seen.say(
-            f"{program.name} is being looked through; {said('app.stop_machine')} ends that."
-        )
+        self.seen.say(f"{program.name} is being looked through; {STOP.said} ends that.")
 
         def through() -> None:
             try:
@@ -143,7 +141,9 @@ class RunsPrograms(View):
             return
         for warning in facts.warnings:
             self.seen.note(warning, warning=True)
-        self.seen.note(f"{program.name}: {in_words(facts)}. Start it with {said('start')}.")
+        self.seen.note(
+            f"{program.name}: {in_words(facts)}. Start it with {self.desk.keys.said('start')}."
+        )
         if start:
             self._ask_to_start(program)
 
@@ -151,7 +151,7 @@ class RunsPrograms(View):
         if self.desk.programs.ended(look):
             facts = program.facts
             words = f": {in_words(facts)}" if facts is not None else ""
-            self.seen.note(f"{program.name}{words}. Start it with {said('start')}.")
+            self.seen.note(f"{program.name}{words}. Start it with {self.desk.keys.said('start')}.")
 
     # --- starting --------------------------------------------------------------------------------
 
@@ -163,12 +163,10 @@ class RunsPrograms(View):
             self.seen.refuse(BUSY)
             return
         if look is not None and look.busy:
-            self.seen.refuse(
-                f"Wait for the look-through, or end it with {said('app.stop_machine')}."
-            )
+            self.seen.refuse(f"Wait for the look-through, or end it with {STOP.said}.")
             return
         if program is None:
-            self.seen.refuse(f"No program is loaded: open one with {said('open')}.")
+            self.seen.refuse(f"No program is loaded: open one with {self.desk.keys.said('open')}.")
             return
         look = programs.begin()
 
@@ -216,7 +214,7 @@ class RunsPrograms(View):
             if program.question(controller) is not None:
                 raise StateError(
                     f"The machine has changed while {program.name} was looked through: start it"
-                    f" again with {said('start')}; nothing has moved."
+                    f" again with {self.desk.keys.said('start')}; nothing has moved."
                 )
             if from_line:
                 program.start(controller, from_line=from_line)

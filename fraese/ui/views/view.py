@@ -25,7 +25,8 @@ from fraese.ui.calibrating import Writer
 from fraese.ui.dialogs.switches import Hand
 from fraese.ui.eventlog import EventLog, Kind
 from fraese.ui.handtools import HandTools
-from fraese.ui.keys import Area, KeyTable, said
+from fraese.ui.keyrows import Area, KeyTable
+from fraese.ui.keyrows.everywhere import QUIT_AT_ONCE, STOP
 from fraese.ui.linehistory import LineHistory
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.programs import ProgramDesk
@@ -37,8 +38,7 @@ from fraese.ui.widgets.status import MessageLine
 from fraese.ui.widths import RepeatRule
 
 BUSY: Final = (
-    f"The machine runs: stop it ({said('app.stop_machine')}) or wait for the end of the job;"
-    " nothing was done."
+    f"The machine runs: stop it ({STOP.said}) or wait for the end of the job; nothing was done."
 )
 
 #: Actions whose keys are shown behind the stop key however narrow the screen is.
@@ -141,6 +141,7 @@ class View(Screen[None]):
             return
         self._told_of = cut
         if cut is not None:
+            said = self.desk.keys.said
             sentence = (
                 f"{cut.name} was cut short in line {cut.line}: {said('resume')} goes on with it,"
                 f" {said('lift')} lifts the tool."
@@ -272,8 +273,8 @@ class View(Screen[None]):
         """Leave, unless the machine runs."""
         if self.desk.link.moving:
             self.refuse(
-                f"The machine runs: stop it first ({said('app.stop_machine')}),"
-                f" or leave at once with {said('app.quit')}."
+                f"The machine runs: stop it first ({STOP.said}),"
+                f" or leave at once with {QUIT_AT_ONCE.said}."
             )
         else:
             self.app.exit()

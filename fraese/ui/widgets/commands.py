@@ -7,7 +7,7 @@ from textual.app import ComposeResult
 from textual.containers import Grid
 from textual.widgets import Static
 
-from fraese.ui.keys import Row
+from fraese.ui.keyrows import Row
 from fraese.ui.widgets.links import Link
 
 _COLUMNS: Final = 3

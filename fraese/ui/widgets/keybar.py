@@ -7,7 +7,7 @@ from textual import events
 from textual.content import Content
 from textual.widget import Widget
 
-from fraese.ui.keys import Row
+from fraese.ui.keyrows import Row
 from fraese.ui.widgets.links import Link
 
 

@@ -10,9 +10,7 @@ from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
 from fraese.plaintext import dotted
-from fraese.ui.keys import said
 
-_NONE = f"No program: press {said('open')} to open one."
 #: Kinds of parts that have a colour of their own.
 _KINDS: Final = ("comment", "code", "switch", "axis", "word", "flow", "value", "wrong")
 #: The parts of a line: of which kind each is, and its text.
@@ -24,15 +22,20 @@ def _one_part(line: str) -> Sequence[tuple[str, str]]:
 
 
 class PathView(ScrollView, can_focus=False):
-    """Draws only the lines that are seen, so that a long program costs no more than a short one."""
+    """Draws only the lines that are seen, so that a long program costs no more than a short one.
+
+    Args:
+        open_key: opens a program.
+    """
 
     COMPONENT_CLASSES = {  # noqa: RUF012
         "path--number", "path--line", "path--current", "path--pointed",
         *(f"path--{kind}" for kind in _KINDS),
     }  # fmt: skip
 
-    def __init__(self) -> None:
+    def __init__(self, open_key: str) -> None:
         super().__init__(id="path")
+        self._none = f"No program: press {open_key} to open one."
         self._lines: Sequence[str] = ()
         self._parts: Parts = _one_part
         self._current = self._pointed = 0
@@ -100,7 +103,7 @@ class PathView(ScrollView, can_focus=False):
         width = self.size.width
         base = self.get_component_rich_style("path--line")
         if index >= len(self._lines):
-            text = "" if self._lines or y else _NONE
+            text = "" if self._lines or y else self._none
             return Strip([Segment(text, base)]).adjust_cell_length(width, base)
         current = index + 1 == self._current
         pointed = index + 1 == self._pointed and not current

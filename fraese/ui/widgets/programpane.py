@@ -31,9 +31,12 @@ class ProgramPane(Container):
     Args:
         programs: what is loaded.
         state: how the machine stands.
+        open_key: opens a program.
     """
 
-    def __init__(self, programs: ProgramDesk, state: MachineState, **options: Any) -> None:
+    def __init__(
+        self, programs: ProgramDesk, state: MachineState, open_key: str, **options: Any
+    ) -> None:
         options.setdefault("id", "program-pane")
         super().__init__(**options)
         self._programs = programs
@@ -41,7 +44,7 @@ class ProgramPane(Container):
         self._loaded: Program | None = None
         self._drawn_s = -math.inf
         self.toolpath = Toolpath()
-        self.listing = PathView()
+        self.listing = PathView(open_key)
         self.progress = ProgressPanel()
 
     def compose(self) -> ComposeResult:

@@ -6,7 +6,7 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal
 
 from fraese.control.state import JobProgress, MachineState, Status
-from fraese.ui.keys import Row, said
+from fraese.ui.keyrows import Row
 from fraese.ui.widgets.fact import Fact
 from fraese.ui.widgets.links import Link
 from fraese.ui.widths import Width
@@ -87,10 +87,15 @@ class MessageLine(Fact):
 
 
 class JobLine(Fact):
-    """Progress of the job in hand, or what an error waits for."""
+    """Progress of the job in hand, or what an error waits for.
 
-    def __init__(self) -> None:
+    Args:
+        acknowledge_key: takes note of an error.
+    """
+
+    def __init__(self, acknowledge_key: str) -> None:
         super().__init__(id="job")
+        self._error = f"Press {acknowledge_key} to acknowledge the error."
 
     def show_job(self, state: MachineState, waiting: Sequence[tuple[str, int]] = ()) -> None:
         """Draw what changed; empty between jobs.
@@ -100,7 +105,7 @@ class JobLine(Fact):
             waiting: axes whose jog keys were pressed, and how often, signed.
         """
         if state.status is Status.ERROR:
-            self.show(f"Press {said('acknowledge')} to acknowledge the error.", "-alarm")
+            self.show(self._error, "-alarm")
             return
         running = state.status is Status.RUN and state.job is not None
         words = self._words(state.job) if running and state.job else ""

@@ -1,0 +1,128 @@
+"""All rows for one machine."""
+
+from collections.abc import Iterable
+from itertools import groupby
+from typing import Final
+
+from fraese.ui.keyrows import byhand, frame
+from fraese.ui.keyrows.axes import choose, jog_rows, set_width, zero_rows
+from fraese.ui.keyrows.bench import BENCH
+from fraese.ui.keyrows.calibrate import CALIBRATE, CALIBRATE_DIALOGS
+from fraese.ui.keyrows.dialogs import AFTER_AXES, BEFORE_AXES
+from fraese.ui.keyrows.everywhere import QUIT_AT_ONCE, STOP
+from fraese.ui.keyrows.machine import (
+    AFTERWARDS,
+    GOING,
+    HOLDING,
+    OVERRIDES,
+    QUIT,
+    REST,
+    SCROLLING,
+)
+from fraese.ui.keyrows.program import PROGRAM
+from fraese.ui.keyrows.row import Area, Row
+from fraese.ui.shape import Shape
+from fraese.ui.widths import REPEAT_FROM, widths
+
+GROUPS: Final = (
+    "Stop",
+    "Views",
+    "Jog",
+    "Position",
+    "Program",
+    "Calibrate",
+    "Bench",
+    "Display",
+    "Log",
+    "Machine",
+)
+#: What has the same keys on every machine.
+_FIXED: Final = (
+    STOP, *HOLDING, QUIT, *GOING, *REST, *AFTERWARDS, *OVERRIDES, *SCROLLING, *PROGRAM,
+    QUIT_AT_ONCE,
+)  # fmt: skip
+_TAKEN: Final = frozenset(key for row in _FIXED for key in row.each)
+
+
+class KeyTable:
+    """All rows for one machine.
+
+    Args:
+        shape: its axes and steps.
+        views: names of those that there are.
+
+    Attributes:
+        views: the rows of the views, by name.
+        listed: commands in the order in which the list of commands shows them, column by column.
+        commands: these and those that are only in the help and the palette.
+        rows: these and the keys of dialogs and pages.
+    """
+
+    def __init__(self, shape: Shape, views: Iterable[str] = tuple(frame.VIEW_ROWS)) -> None:
+        self.views = {name: frame.VIEW_ROWS[name] for name in views if name in frame.VIEW_ROWS}
+        self.listed = (
+            STOP,
+            *HOLDING,
+            *jog_rows(shape.axes, upright=True),
+            QUIT,
+            *jog_rows(shape.axes, upright=False),
+            *GOING,
+            *zero_rows(shape.axes, _TAKEN),
+            *REST,
+        )
+        # The widths have a line of their own, the path is in another picture.
+        steps = (set_width(number, width) for number, width in enumerate(widths(shape), start=1))
+        self.commands: tuple[Row, ...] = (
+            *self.listed,
+            *self.views.values(),
+            *frame.AROUND,
+            *byhand.BY_HAND,
+            *AFTERWARDS,
+            *OVERRIDES,
+            *steps,
+            *SCROLLING,
+            *PROGRAM,
+            QUIT_AT_ONCE,
+            *(CALIBRATE if "calibrate" in self.views else ()),
+            *(BENCH if "bench" in self.views else ()),
+            *frame.LOG,
+        )
+        boxes = (choose(axis) for axis in shape.axes)
+        self.rows = (
+            *self.commands, *byhand.DIALOGS, *BEFORE_AXES, *boxes, *AFTER_AXES, *CALIBRATE_DIALOGS,
+        )  # fmt: skip
+        self._step_word = shape.step_word
+
+    def of(self, *areas: Area) -> Iterable[Row]:
+        """The rows of these areas, in the order of the table."""
+        return (row for row in self.rows if row.area in areas)
+
+    def said(self, action: str) -> str:
+        """The key of a command, as a sentence names it: "Esc", "o", "Ctrl+Q"."""
+        return next(row.said for row in self.rows if row.action == action)
+
+    def hint(self, area: Area, *, but: str | None = None) -> str:
+        """A dialog's line of keys.
+
+        Args:
+            area: of the dialog.
+            but: an action that is not there just now.
+        """
+        rows = [row for row in self.of(area) if row.hint and row.action != but]
+        return "   ".join(
+            f"{' '.join(row.shown for row in together)}: {words}"
+            for words, together in groupby(rows, lambda row: row.hint)
+        )
+
+    def notes(self) -> tuple[str, ...]:
+        """What the help screen says below the keys."""
+        return (
+            f"At {self._step_word} width the original's repeat rule holds: presses 1 to"
+            f" {REPEAT_FROM - 1} of the same key count single, from the {REPEAT_FROM}st on"
+            " ten-fold; another key or a pause of a second resets it.",
+            "Presses add up while the machine moves. The opposite key brakes and then goes the"
+            " other way; another axis waits its turn.",
+            "Nothing here is an emergency stop: that is a switch which cuts the power.",
+            "Escape takes a tenth of a second, since longer keys begin like it; inside tmux or"
+            " screen more (tmux: set escape-time 0). Ctrl+C takes none.",
+        )
