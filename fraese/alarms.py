@@ -12,18 +12,20 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
+from fraese.phrases import joined, phrase
+
 
 class Trust(Enum):
     """What the position is worth after an alarm; the words are for people."""
 
-    KEPT = "The position can be relied on."
-    RAMPED = (
-        "An axis that was stopped at speed without ramp is not referenced any more; the others can"
-        " be relied on."
+    KEPT = phrase("The position can be relied on.")
+    RAMPED = phrase(
+        "An axis that was stopped at speed without ramp is not referenced any more; the"
+        " others can be relied on."
     )
-    AXIS = "The axis is not referenced; the others can be relied on."
-    LOST = "No axis is referenced any more."
-    UNMOVED = "Nothing has moved."
+    AXIS = phrase("The axis is not referenced; the others can be relied on.")
+    LOST = phrase("No axis is referenced any more.")
+    UNMOVED = phrase("Nothing has moved.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,162 +48,189 @@ class AlarmKind:
 
     def advice(self) -> str:
         """What the position is worth, and what to do now."""
-        return f"{self.trust.value} {self.remedy}"
+        return joined(" ", (self.trust.value, self.remedy))
 
 
 END_SWITCH: Final = AlarmKind(
     10,
     "end_switch",
-    "An end switch closed where none was expected.",
+    phrase("An end switch closed where none was expected."),
     Trust.RAMPED,
-    "Jog away from the switch or reference the machine; see why the end was reached: a wrong zero,"
-    " lost steps, or a loose wire.",
+    phrase(
+        "Jog away from the switch or reference the machine; see why the end was reached: a"
+        " wrong zero, lost steps, or a loose wire."
+    ),
 )
 END_NOT_FOUND: Final = AlarmKind(
     20,
     "end_not_found",
-    "A reference run went as far as it may and met no end switch.",
+    phrase("A reference run went as far as it may and met no end switch."),
     Trust.AXIS,
-    "Press the switch by hand and watch it (fraese switches); compare the axis' travel_mm with the"
-    " machine.",
+    phrase(
+        "Press the switch by hand and watch it (fraese switches); compare the axis'"
+        " travel_mm with the machine."
+    ),
 )
 END_NOT_AGAIN: Final = AlarmKind(
     21,
     "end_not_again",
-    "An end switch closed once and not again.",
+    phrase("An end switch closed once and not again."),
     Trust.AXIS,
-    "Look for a loose switch or wire, then reference again.",
+    phrase("Look for a loose switch or wire, then reference again."),
 )
 END_STUCK: Final = AlarmKind(
     22,
     "end_stuck",
-    "An end switch does not open when the axis backs off.",
+    phrase("An end switch does not open when the axis backs off."),
     Trust.AXIS,
-    "Look for a switch that sticks or a wire that is cut, or make homing.back_off_max_mm longer.",
+    phrase(
+        "Look for a switch that sticks or a wire that is cut, or make homing.back_off_max_mm"
+        " longer."
+    ),
 )
 END_AT_PULL_OFF: Final = AlarmKind(
     23,
     "end_at_pull_off",
-    "An end switch is still closed where the reference run ends.",
+    phrase("An end switch is still closed where the reference run ends."),
     Trust.AXIS,
-    "Make homing.pull_off_mm longer.",
+    phrase("Make homing.pull_off_mm longer."),
 )
 END_UNKNOWN: Final = AlarmKind(
     24,
     "end_unknown",
-    "A switch is closed at the start, and backing off opens it at none of the ends it may be.",
+    phrase(
+        "A switch is closed at the start, and backing off opens it at none of the ends it may be."
+    ),
     Trust.AXIS,
-    "Look which switch is closed, or whether its wire is cut; move the axis away by hand with the"
-    " motors off.",
+    phrase(
+        "Look which switch is closed, or whether its wire is cut; move the axis away by hand"
+        " with the motors off."
+    ),
 )
 PROBE_TOUCHES: Final = AlarmKind(
     30,
     "probe_already",
-    "A probing move found the probe already as it should be found at its end.",
+    phrase("A probing move found the probe already as it should be found at its end."),
     Trust.KEPT,
-    "Look at the probe and its wire; lift it off the work before the move.",
+    phrase("Look at the probe and its wire; lift it off the work before the move."),
 )
 PROBE_NEVER: Final = AlarmKind(
     31,
     "probe_never",
-    "A probing move came to its end without contact.",
+    phrase("A probing move came to its end without contact."),
     Trust.KEPT,
-    "Begin nearer to the work, or let the move go further; try the probe by hand.",
+    phrase("Begin nearer to the work, or let the move go further; try the probe by hand."),
 )
 SILENCE: Final = AlarmKind(
     40,
     "silence",
-    "The program did not look after the motors for too long: they braked and were switched off.",
+    phrase(
+        "The program did not look after the motors for too long: they braked and were switched off."
+    ),
     Trust.KEPT,
-    "See what held the program up (a debugger, a stopped process, a busy computer); motors without"
-    " current may have been moved: look, or reference.",
+    phrase(
+        "See what held the program up (a debugger, a stopped process, a busy computer);"
+        " motors without current may have been moved: look, or reference."
+    ),
 )
 STRAY_STOP: Final = AlarmKind(
     41,
     "stray_stop",
-    "The motors stopped, and this program had not asked for it.",
+    phrase("The motors stopped, and this program had not asked for it."),
     Trust.RAMPED,
-    "Look at the line and at who else uses it.",
+    phrase("Look at the line and at who else uses it."),
 )
 NO_PROGRESS: Final = AlarmKind(
     42,
     "no_progress",
-    "The motors were to move and did not get on for 3 s.",
+    phrase("The motors were to move and did not get on for 3 s."),
     Trust.LOST,
-    "Look at the line to the machine and at its supply; then reference. If it comes again without"
-    " a fault there, it is one of this program: keep the log.",
+    phrase(
+        "Look at the line to the machine and at its supply; then reference. If it comes"
+        " again without a fault there, it is one of this program: keep the log."
+    ),
 )
 PORT: Final = AlarmKind(
     50,
     "port",
-    "The port cannot be opened, or another program has it.",
+    phrase("The port cannot be opened, or another program has it."),
     Trust.UNMOVED,
-    "See the sentence; fraese doctor looks at the port and says what is missing.",
+    phrase("See the sentence; fraese doctor looks at the port and says what is missing."),
 )
 PORT_LOST: Final = AlarmKind(
     51,
     "port_lost",
-    "The port does not answer any more.",
+    phrase("The port does not answer any more."),
     Trust.LOST,
-    "Switch the motors' supply off, look at plug and card, then reference.",
+    phrase("Switch the motors' supply off, look at plug and card, then reference."),
 )
 STEP_PROCESS_START: Final = AlarmKind(
     60,
     "step_process_start",
-    "The step process did not start.",
+    phrase("The step process did not start."),
     Trust.UNMOVED,
-    "See the sentence; fraese doctor tries the step process.",
+    phrase("See the sentence; fraese doctor tries the step process."),
 )
 STEP_PROCESS_DIED: Final = AlarmKind(
     61,
     "step_process_died",
-    "The step process died or was killed.",
+    phrase("The step process died or was killed."),
     Trust.LOST,
-    "Reference the machine; where it says that the motors could not be switched off, cut their"
-    " power first.",
+    phrase(
+        "Reference the machine; where it says that the motors could not be switched off, cut"
+        " their power first."
+    ),
 )
 BRIDGE_MISSING: Final = AlarmKind(
     70,
     "bridge_missing",
-    "No bridge answers.",
+    phrase("No bridge answers."),
     Trust.UNMOVED,
-    "Plug the board in and name its port in port.device (fraese ports lists them); if it is the"
-    " right one, flash its firmware.",
+    phrase(
+        "Plug the board in and name its port in port.device (fraese ports lists them); if it"
+        " is the right one, flash its firmware."
+    ),
 )
 BRIDGE_UNFIT: Final = AlarmKind(
     71,
     "bridge_unfit",
-    "The board's firmware is another one, or cannot play this card.",
+    phrase("The board's firmware is another one, or cannot play this card."),
     Trust.UNMOVED,
-    "Flash the firmware that belongs to this program (docs/bridge.md).",
+    phrase("Flash the firmware that belongs to this program (docs/bridge.md)."),
 )
 BRIDGE_LOST: Final = AlarmKind(
     72,
     "bridge_lost",
-    "The bridge does not answer any more, was reset, or its plug was pulled.",
+    phrase("The bridge does not answer any more, was reset, or its plug was pulled."),
     Trust.LOST,
-    "Look at plug and supply; the bridge brakes and switches off by itself. Then reference.",
+    phrase(
+        "Look at plug and supply; the bridge brakes and switches off by itself. Then reference."
+    ),
 )
 BRIDGE_STUCK: Final = AlarmKind(
     73,
     "bridge_stuck",
-    "The bridge answers, but does not do what it is told.",
+    phrase("The bridge answers, but does not do what it is told."),
     Trust.LOST,
-    "Unplug the board and plug it in again, then reference; if it comes again, flash it anew.",
+    phrase(
+        "Unplug the board and plug it in again, then reference; if it comes again, flash it anew."
+    ),
 )
 NOT_KEPT: Final = AlarmKind(
     80,
     "not_kept",
-    "Where the machine is could not be put down while it moved: it was braked.",
+    phrase("Where the machine is could not be put down while it moved: it was braked."),
     Trust.KEPT,
-    "See what the disk says; until that is mended, a restart may not know where the machine is.",
+    phrase(
+        "See what the disk says; until that is mended, a restart may not know where the machine is."
+    ),
 )
 MACHINE_BUSY: Final = AlarmKind(
     81,
     "machine_busy",
-    "Another program drives the machine.",
+    phrase("Another program drives the machine."),
     Trust.UNMOVED,
-    "End that program first; fraese where works meanwhile.",
+    phrase("End that program first; fraese where works meanwhile."),
 )
 
 ALARMS: Final[tuple[AlarmKind, ...]] = (

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from fraese.errors import UsageError
+from fraese.phrases import phrase
 
 _WORD: Final = re.compile(
     r"([a-z])\s*=?\s*([-+]?(?:\d+[.,]?\d*|[.,]\d+))(?![.,]*\d)\s*", re.IGNORECASE
@@ -38,9 +39,18 @@ def target(text: str, axes: Sequence[str]) -> Target:
     values = _values(text.strip(), axes, feed=True)
     feed_mm_min = values.pop(_FEED, None)
     if feed_mm_min is not None and not feed_mm_min > 0:
-        raise UsageError(f"F is the feed and must be above 0, not {feed_mm_min:g}.")
+        raise UsageError(
+            phrase(
+                "F is the feed and must be above 0, not {feed_mm_min:g}.", feed_mm_min=feed_mm_min
+            )
+        )
     if not values:
-        raise UsageError(f"Give at least one axis with its position, such as {_example(axes)}.")
+        raise UsageError(
+            phrase(
+                "Give at least one axis with its position, such as {example}.",
+                example=_example(axes),
+            )
+        )
     return Target(values, feed_mm_min)
 
 
@@ -52,7 +62,11 @@ def axis_words(text: str, axes: Sequence[str]) -> dict[str, float]:
     """
     values = _values(text.strip(), axes, feed=False)
     if not values:
-        raise UsageError(f"Give at least one axis with its number, such as {_example(axes)}.")
+        raise UsageError(
+            phrase(
+                "Give at least one axis with its number, such as {example}.", example=_example(axes)
+            )
+        )
     return values
 
 
@@ -73,13 +87,17 @@ def axes_named(words: Sequence[str], axes: Sequence[str]) -> list[str]:
 
 def no_axis(name: str, axes: Sequence[str]) -> str:
     """The sentence for a letter that names no axis."""
-    return f"There is no axis {name.upper()}; this machine has {listed(axes)}."
+    return phrase(
+        "There is no axis {name}; this machine has {listed}.",
+        name=name.upper(),
+        listed=listed(axes),
+    )
 
 
 def listed(axes: Sequence[str]) -> str:
     """Axis names in words: X, Y and Z."""
     *others, last = (name.upper() for name in axes)
-    return f"{', '.join(others)} and {last}" if others else last
+    return phrase("{others} and {last}", others=", ".join(others), last=last) if others else last
 
 
 def _values(text: str, axes: Sequence[str], *, feed: bool) -> dict[str, float]:
@@ -89,15 +107,21 @@ def _values(text: str, axes: Sequence[str], *, feed: bool) -> dict[str, float]:
         match = _WORD.match(text, at)
         if match is None:
             raise UsageError(
-                f'"{text[at:].split()[0]}" is not a letter with a number, such as {_example(axes)}.'
+                phrase(
+                    '"{text}" is not a letter with a number, such as {example}.',
+                    text=text[at:].split()[0],
+                    example=_example(axes),
+                )
             )
         name, number, at = match[1].lower(), float(match[2].replace(",", ".")), match.end()
         if name not in axes and not (feed and name == _FEED):
             raise UsageError(no_axis(name, axes))
         if name in values:
-            raise UsageError(f"{name.upper()} is given twice: give each letter once.")
+            raise UsageError(
+                phrase("{name} is given twice: give each letter once.", name=name.upper())
+            )
         if not math.isfinite(number):
-            raise UsageError(f'"{match[0].strip()}": the number is too large.')
+            raise UsageError(phrase('"{match}": the number is too large.', match=match[0].strip()))
         values[name] = number
     return values
 

@@ -30,6 +30,7 @@ from typing import ClassVar, Final
 
 from fraese import alarms
 from fraese.alarms import AlarmKind
+from fraese.phrases import Phrase, joined, phrase
 
 #: A name or number longer than this is shown by its beginning and its end.
 _LONG_WORD: Final = re.compile(r"(\S{60})\S{80,}(\S{40})")
@@ -43,19 +44,46 @@ class FraeseError(Exception):
     """
 
     exit_code = 1
+    #: First word of the code.
+    kind_name: ClassVar[str] = "error"
 
     def __init__(self, sentence: str = "") -> None:
-        super().__init__(_LONG_WORD.sub(r"\1...\2", sentence))
+        if _LONG_WORD.search(sentence):
+            sentence = sentence.alter(_short) if isinstance(sentence, Phrase) else _short(sentence)
+        super().__init__(sentence)
+
+    @property
+    def sentence(self) -> str:
+        """What it says of itself; the code is made of it."""
+        return str(self)
+
+    @property
+    def error_code(self) -> str:
+        """For programs: the same for the same fault, in every language."""
+        said = self.sentence
+        return f"{self.kind_name}-{said.code}" if isinstance(said, Phrase) else self.kind_name
+
+    def details(self) -> dict[str, object]:
+        """For programs: the code, and what the sentence is made of."""
+        said = str(self)
+        return {"code": self.error_code, **(said.as_dict() if isinstance(said, Phrase) else {})}
+
+
+def _short(text: str) -> str:
+    return _LONG_WORD.sub(r"\1...\2", text)
 
 
 class UsageError(FraeseError):
     """A wrong call, file or configuration: nothing has moved."""
 
     exit_code = 2
+    kind_name = "usage"
 
 
 class ConfigError(UsageError):
     """A key of the configuration is unknown, missing or out of bounds."""
+
+    kind_name = "config"
 
 
 class ProgramError(UsageError):
@@ -69,6 +97,8 @@ class ProgramError(UsageError):
             first.
     """
 
+    kind_name = "program"
+
     def __init__(
         self, message: str, line: int = 0, file: str = "", calls: Sequence[tuple[str, int]] = ()
     ) -> None:
@@ -76,8 +106,12 @@ class ProgramError(UsageError):
         self.line = line
         self.file = file
         self.calls = tuple(calls)
-        place = _in_words(file, line) + _called(file, self.calls)
-        super().__init__(f"{place}: {message}" if place else message)
+        super().__init__(_at(file, line, _called(file, self.calls), message))
+
+    @property
+    def sentence(self) -> str:
+        """Without the place."""
+        return self.message
 
     def in_program(self, file: str) -> tuple[int, str]:
         """Line and message as seen from the program itself: the line of its own that leads there.
@@ -86,21 +120,27 @@ class ProgramError(UsageError):
             file: name of the program's file.
         """
         if not self.calls:
-            elsewhere = f"{self.file}: " if self.file not in ("", file) else ""
-            return self.line, elsewhere + self.message
+            elsewhere = [self.file] if self.file not in ("", file) else []
+            return self.line, joined(": ", [*elsewhere, self.message])
         *between, (_, line) = self.calls
         if self.file == file:
-            return self.line, f"{self.message}{_called(file, self.calls)}"
-        place = _in_words(self.file, self.line) + _called(self.file, between)
-        return line, f"{place}: {self.message}"
+            return self.line, joined("", (self.message, _called(file, self.calls)))
+        return line, _at(self.file, self.line, _called(self.file, between), self.message)
 
 
 #: More calls within each other are not told one by one.
 _ALL_CALLS: Final = 2
 
 
-def _in_words(file: str, line: int) -> str:
-    return ", ".join(part for part in (file, f"line {line}" if line else "") if part)
+def _in_words(file: str, line: int) -> Phrase:
+    numbered = phrase("line {line}", line=line) if line else ""
+    return joined(", ", [part for part in (file, numbered) if part])
+
+
+def _at(file: str, line: int, called: str, message: str) -> str:
+    """A message with its place."""
+    place = joined("", (_in_words(file, line), called))
+    return joined(": ", (place, message)) if place else message
 
 
 def _called(file: str, calls: Sequence[tuple[str, int]]) -> str:
@@ -109,20 +149,26 @@ def _called(file: str, calls: Sequence[tuple[str, int]]) -> str:
     for caller, line in (calls[0], calls[-1])[: len(calls)] if calls else ():
         said.append(_in_words("" if caller == file else caller, line))
         file = caller
-    between = " ... called in " if len(calls) > _ALL_CALLS else ", called in "
-    return f" (called in {between.join(said)})" if said else ""
+    between = phrase(" ... called in ") if len(calls) > _ALL_CALLS else phrase(", called in ")
+    return phrase(" (called in {places})", places=joined(between, said)) if said else ""
 
 
 class LimitError(UsageError):
     """A target lies outside the travel of the machine."""
 
+    kind_name = "limit"
+
 
 class StateError(UsageError):
     """The command is not possible in the present state of the machine."""
 
+    kind_name = "state"
+
 
 class TraceError(UsageError):
     """A waveform file cannot be read or written; nothing has moved."""
+
+    kind_name = "trace"
 
 
 class Alarm(FraeseError):
@@ -140,6 +186,11 @@ class Alarm(FraeseError):
         super().__init__(sentence)
         self.kind = kind or self.usual
         self.facts = facts
+
+    @property
+    def error_code(self) -> str:
+        """For programs: its number."""
+        return f"alarm-{self.kind.number}"
 
     def as_dict(self) -> dict[str, object]:
         """For programs."""
@@ -205,7 +256,10 @@ class Cancelled(FraeseError):
     """The user stopped it."""
 
     exit_code = 130
+    kind_name = "cancelled"
 
 
 class OutputError(FraeseError):
     """What a command is asked to print cannot be written."""
+
+    kind_name = "output"

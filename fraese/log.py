@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any, Final, ParamSpec, TypeVar
 
 from fraese.errors import ConfigError
+from fraese.phrases import phrase, reason
 from fraese.plaintext import plain
 
 P = ParamSpec("P")
@@ -95,7 +96,7 @@ class _Handler(logging.FileHandler):
 
 
 def _no_file() -> OSError:
-    return OSError(errno.EINVAL, "a log is a file, and this is something else")
+    return OSError(errno.EINVAL, phrase("a log is a file, and this is something else"))
 
 
 class LogFile:
@@ -135,7 +136,11 @@ class LogFile:
             handler = _Handler(self.path, encoding="utf-8")
         except OSError as error:
             raise ConfigError(
-                f"{self.path}: the log cannot be written: {error.strerror}."
+                phrase(
+                    "{path}: the log cannot be written: {reason}.",
+                    path=self.path,
+                    reason=reason(error),
+                )
             ) from error
         handler.setFormatter(
             logging.Formatter("%(asctime)s.%(msecs)03d %(message)s", "%Y-%m-%d %H:%M:%S")

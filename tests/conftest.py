@@ -4,6 +4,7 @@ Tests that start processes in real time have the machine for themselves (marker 
 others may run several at once (``pytest -n 2 -m "not alone"``).
 """
 
+import os
 import signal
 from pathlib import Path
 
@@ -35,6 +36,9 @@ settings.register_profile(
 )
 settings.load_profile("fraese")
 
+
+# Tests read English, whoever runs them.
+os.environ["FRAESE_LANGUAGE"] = "en"
 
 # What a shell without job control starts in the background has SIGINT and SIGQUIT ignored, what
 # runs under nohup SIGHUP, and so would every program that the tests start: none would hear the

@@ -23,6 +23,7 @@ from fraese.cli import (
     x4step,
 )
 from fraese.cli.departure import Closing, Departure, in_background, left_at_once
+from fraese.cli.language import LanguageOption, as_the_system
 from fraese.cli.output import note, open_standard_files
 from fraese.cli.session import AfterMotion
 from fraese.cli.shared import ConfigOption, Drive, FreshOption, StateOption, TraceOption, leave
@@ -71,6 +72,7 @@ def start(
         Path | None, typer.Option("--open", metavar="FILE", help="Program to open in the app.")
     ] = None,
     trace: TraceOption = None,
+    language: LanguageOption = None,
 ) -> None:
     """Without a command, start the app."""
     if context.invoked_subcommand is not None:
@@ -169,4 +171,5 @@ def _close_moved(plant: Plant, closing: Closing) -> None:
 def main() -> None:
     """Entry point."""
     open_standard_files()
+    as_the_system()
     app()

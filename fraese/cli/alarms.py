@@ -10,6 +10,7 @@ from fraese.alarms import ALARMS, BY_NUMBER, AlarmKind
 from fraese.cli.output import say
 from fraese.cli.shared import JsonOption, leave
 from fraese.errors import UsageError
+from fraese.phrases import phrase, shown
 
 app = typer.Typer()
 
@@ -38,7 +39,9 @@ def _numbered(number: int) -> AlarmKind:
     kind = BY_NUMBER.get(number)
     if kind is None:
         known = ", ".join(str(known) for known in BY_NUMBER)
-        raise UsageError(f"There is no alarm {number}; there are {known}.")
+        raise UsageError(
+            phrase("There is no alarm {number}; there are {known}.", number=number, known=known)
+        )
     return kind
 
 
@@ -54,9 +57,9 @@ def _as_dict(kind: AlarmKind) -> dict[str, object]:
 
 
 def _in_words(kind: AlarmKind) -> str:
-    lines = [f"{kind.number}  {kind.what}"]
+    lines = [f"{kind.number}  {shown(kind.what)}"]
     for text in (kind.trust.value, kind.remedy):
-        lines += textwrap.wrap(text, 92, initial_indent="    ", subsequent_indent="    ")
+        lines += textwrap.wrap(shown(text), 92, initial_indent="    ", subsequent_indent="    ")
     return "\n".join(lines)
 
 

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from fraese.assembly.drivers import ClockName
+from fraese.cli import language
 from fraese.cli.output import tell
 from fraese.cli.shared import (
     MOTORS_OFF,
@@ -17,7 +18,6 @@ from fraese.cli.shared import (
     TraceOption,
     leave,
 )
-from fraese.config import file as configuration
 from fraese.errors import PortError, UsageError
 from fraese.x4step import X4Init, X4NoErr, X4ReInit
 from fraese.x4step.bench import Bench, Console
@@ -52,7 +52,7 @@ def _bench(
 ) -> int:
     if lpt not in map(str, PORTS):
         raise UsageError(f'"{lpt}" is no parallel port: it is 1 to 4, as in fraese bench 2.')
-    config = configuration.load(file)
+    config = language.load(file)
     wanted = wanted_keys(config.x4step, keys)
     console, keyboard, clock = _spoken_with(wanted, real_time)
     with in_place(around(config, keyboard, clock, trace=trace)):

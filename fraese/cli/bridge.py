@@ -19,10 +19,10 @@ from fraese.assembly import tracing
 from fraese.assembly.cards import CARDS
 from fraese.assembly.drivers import planned_driver
 from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece, accel_q_from_hz_s, rate_q8_from_hz
+from fraese.cli import language
 from fraese.cli.output import note, say
 from fraese.cli.shared import MOTORS_OFF, ConfigOption, JsonOption, TraceOption, leave
 from fraese.config import Config
-from fraese.config import file as configuration
 from fraese.errors import PortError, UsageError
 from fraese.motor.bridge.codec import Hello, frame
 from fraese.motor.bridge.constants import KIND_PING
@@ -100,7 +100,7 @@ def info(
     """Say who is there: board, firmware, queue, and how fast it answers."""
 
     def go() -> int:
-        place = _place(configuration.load(config), device, baud)
+        place = _place(language.load(config), device, baud)
         session = finish(greeting(place.line(), MonotonicClock(), place.device, place.baud))
         try:
             trips_s = round_trips_s(session)
@@ -150,7 +150,7 @@ def try_out(
     def go() -> int:
         if trace and not move:
             raise UsageError("--trace draws what --move moves: say --move STEPS too.")
-        place = _place(configuration.load(config), device, baud)
+        place = _place(language.load(config), device, baud)
         checks = []
         for check in _checks(place, move, trace):
             checks.append(check)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from fraese.cli import language
 from fraese.cli.histogram import histogram
 from fraese.cli.output import note, say
 from fraese.cli.shared import ConfigOption, JsonOption, leave
-from fraese.config import file as configuration
 from fraese.errors import UsageError
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def doctor(
     def go() -> int:
         if not _LEAST_S <= seconds <= _MOST_S:
             raise UsageError(f"--seconds {seconds:g}: from {_LEAST_S:g} to {_MOST_S:g} s.")
-        loaded = configuration.load(config)
+        loaded = language.load(config)
         if sys.platform != "linux":
             raise UsageError("doctor looks at a Linux kernel, and here is none.")
         # Only there: what it measures with exists on Linux only.

@@ -7,6 +7,7 @@ import typer
 
 from fraese.assembly import assemble
 from fraese.assembly.misfits import described
+from fraese.cli import language
 from fraese.cli.output import note, say, write
 from fraese.cli.shared import ConfigOption, FileArgument, StartingPlace, leave, with_options
 from fraese.config import file as configuration
@@ -101,7 +102,7 @@ def gcode(file: FileArgument, config: ConfigOption = None) -> None:
 
     def go() -> int:
         taken = take_program(file)
-        settings = configuration.load(config)
+        settings = language.load(config)
         machine = Machine.from_config(settings)
         nowhere = (0,) * len(machine.axes)
         context = ProgramContext(
@@ -124,7 +125,7 @@ def config_check(config: ConfigOption = None) -> None:
     """See whether the configuration makes sense."""
 
     def go() -> int:
-        settings = configuration.load(config)
+        settings = language.load(config)
         plant = assemble(settings, at_desk=True)
         plant.controller.close()
         for text in plant.notes:

@@ -21,6 +21,7 @@ from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple, TextIO
 
 from fraese.errors import OutputError
+from fraese.phrases import shown
 from fraese.plaintext import plain, plain_lines
 
 #: More than this waits only if it is a result; what is noted after it is counted and left out.
@@ -158,12 +159,12 @@ def _errors() -> Outlet | Borrowed:
 
 def note(text: str, end: str = "\n") -> None:
     """A line for people; nothing waits until it is read."""
-    _errors().put(plain(text) + end)
+    _errors().put(plain(shown(text)) + end)
 
 
 def show_progress(line: str) -> None:
     """Replace the line of progress; left out while nobody reads."""
-    _errors().put(_WIPE + plain(line), passes=True)
+    _errors().put(_WIPE + plain(shown(line)), passes=True)
 
 
 def wipe_progress() -> None:
@@ -179,7 +180,7 @@ def say(text: str, end: str = "\n") -> None:
     """
     settle()
     with contextlib.suppress(BrokenPipeError):
-        write(plain_lines(text) + end)
+        write(plain_lines(shown(text)) + end)
 
 
 def tell(text: str, end: str = "\n", *, over: bool = False) -> None:
@@ -191,7 +192,7 @@ def tell(text: str, end: str = "\n", *, over: bool = False) -> None:
         over: in place of the line before.
     """
     outlet = _to(1, sys.stdout, sys.__stdout__)
-    outlet.put((_WIPE if over else "") + plain_lines(text) + end)
+    outlet.put((_WIPE if over else "") + plain_lines(shown(text)) + end)
 
 
 def write(text: str) -> None:
@@ -245,7 +246,7 @@ def result(text: str, hurries: Callable[[], bool] = lambda: False) -> None:
         # What was said comes before it.
         flush()
     outlet = _to(1, sys.stdout, sys.__stdout__)
-    outlet.put(plain_lines(text) + "\n", must=True)
+    outlet.put(plain_lines(shown(text)) + "\n", must=True)
     _wait_for(outlet, hurries)
     failure = outlet.failure
     if failure is not None and not isinstance(failure, BrokenPipeError):

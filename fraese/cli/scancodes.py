@@ -8,9 +8,9 @@ from typing import Final
 
 import typer
 
+from fraese.cli import language
 from fraese.cli.output import tell
 from fraese.cli.shared import ConfigOption, KeysOption, leave
-from fraese.config import file as configuration
 from fraese.errors import StateError
 from fraese.x4step.codes import ESC_CODE
 from fraese.x4step.decoder import Decoder, Stroke
@@ -32,7 +32,7 @@ def scancodes(config: ConfigOption = None, keys: KeysOption = None) -> None:
     """Press keys and see their make and break codes, as X4BrakeCodes wants them; ESC twice ends."""
 
     def go() -> int:
-        wanted = wanted_keys(configuration.load(config).x4step, keys)
+        wanted = wanted_keys(language.load(config).x4step, keys)
         if sys.stdin.isatty() and not can_read_keys():
             raise StateError(
                 "The keys of a terminal cannot be read on this system; those of a file can, as in"

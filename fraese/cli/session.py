@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from fraese.alarms import Trust
+from fraese.alarms import AlarmKind, Trust
 from fraese.assembly import Plant
 from fraese.cli.byhand import HINT, by_hand
 from fraese.cli.departure import Departure
@@ -26,6 +26,7 @@ from fraese.control.position import Position
 from fraese.control.state import MachineState, Status, three_decimals
 from fraese.control.switchtest import SwitchTest
 from fraese.errors import Alarm, Cancelled, FraeseError
+from fraese.phrases import phrase
 from fraese.signalwatch import watched
 
 #: What else belongs to a result.
@@ -139,7 +140,7 @@ class Session:
         if state.message != self._told:
             note(state.message)
         if state.alarm is not None:
-            note(f"Alarm {state.alarm.number}. {state.alarm.advice()}")
+            note(_with_advice(state.alarm))
         where = self._controller.machine.in_words(state.work_mm)
         in_force = state.work.words()
         sentence = f"{word}: {where}" + (f" ({in_force})" if in_force else "")
@@ -314,6 +315,10 @@ def _alarm_result(error: FraeseError | None) -> dict[str, Any]:
     return {"alarm": error.as_dict()} if isinstance(error, Alarm) else {}
 
 
+def _with_advice(kind: AlarmKind) -> str:
+    return phrase("Alarm {number}. {advice}", number=kind.number, advice=kind.advice())
+
+
 def _doubt_result(where: Position) -> dict[str, Any] | None:
     """Why the position may be another one, and between which places it is, if that is known."""
     doubt = where.doubt
@@ -334,9 +339,10 @@ def refuse(error: FraeseError, *, as_json: bool) -> int:
     cause = error.cause if isinstance(error, AfterMotion) else error
     if as_json:
         word = words.get(type(error), "refused")
-        result(json.dumps({"status": word, "message": str(error), **_alarm_result(cause)}))
-    note(f"fraese: {str(error).rstrip('.')}.")
+        said = {"message": str(error), **cause.details()}
+        result(json.dumps({"status": word, **said, **_alarm_result(cause)}))
+    note("fraese: " + str(error).rstrip(".") + ".")
     # Where nothing has moved, the sentence says what to do.
     if isinstance(cause, Alarm) and cause.kind.trust is not Trust.UNMOVED:
-        note(f"Alarm {cause.kind.number}. {cause.kind.advice()}")
+        note(_with_advice(cause.kind))
     return error.exit_code

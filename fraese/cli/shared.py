@@ -24,10 +24,10 @@ import typer
 
 from fraese.assembly import Plant, assemble, state_folder
 from fraese.assembly.drivers import ClockName
+from fraese.cli import language
 from fraese.cli.departure import Departure
 from fraese.cli.output import flush, note, settle
 from fraese.cli.session import More, Session, refuse
-from fraese.config import file as configuration
 from fraese.control.controller import Controller
 from fraese.errors import Cancelled, FraeseError, OutputError
 from fraese.log import write
@@ -96,7 +96,7 @@ class Place:
     def plant(self, clock: ClockName | None = None, *, at_desk: bool = False) -> Plant:
         """The machine that they name; at a desk nothing is to move, and metal is left alone."""
         return assemble(
-            configuration.load(self.config),
+            language.load(self.config),
             clock=clock or ("paced" if self.real_time else "virtual"),
             state=self.folder,
             fresh=self.fresh,

@@ -21,6 +21,7 @@ from pydantic_core.core_schema import ValidationInfo
 
 from fraese.config.axis import MOST_AXES, AxisConfig, LinearAxis, RotaryAxis
 from fraese.config.section import Section
+from fraese.phrases import phrase
 
 AxisName = Literal["x", "y", "z", "a", "b", "c", "u", "v", "w"]
 #: The axis that lifts the tool, where there is one.
@@ -52,7 +53,7 @@ _AnyAxis = Annotated[
     Discriminator(
         _kind,
         custom_error_type="axis_kind",
-        custom_error_message='an axis is a table, its kind "linear" or "rotary"',
+        custom_error_message=phrase('an axis is a table, its kind "linear" or "rotary"'),
     ),
     Field(json_schema_extra=_either),
 ]
@@ -95,7 +96,7 @@ class AxesConfig(Section):
     @classmethod
     def _no_axis_twice(cls, value: tuple[str, ...]) -> tuple[str, ...]:
         if len(set(value)) != len(value):
-            raise ValueError("names an axis twice")
+            raise ValueError(phrase("names an axis twice"))
         return value
 
     @model_validator(mode="before")
@@ -119,7 +120,9 @@ class AxesConfig(Section):
         names = info.data.get("names")
         if value is not None and names is not None and info.field_name not in names:
             longer = ", ".join(f'"{name}"' for name in (*names, info.field_name))
-            raise ValueError(f"is not among axes.names; add it there: names = [{longer}]")
+            raise ValueError(
+                phrase("is not among axes.names; add it there: names = [{longer}]", longer=longer)
+            )
         return value
 
     @property

@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Final, Literal
 from pydantic import Field, field_validator, model_validator
 
 from fraese.config.section import Positive, Section
+from fraese.phrases import phrase
 
 #: What no card has more of.
 MOST_AXES: Final = 4
@@ -29,7 +30,7 @@ def gear_ratio(value: Any) -> str:
     """
     text = str(value).replace(":", "/").replace(" ", "")
     if not _GEAR.fullmatch(text) or not all(map(Fraction, text.split("/"))):
-        raise ValueError('must be a positive number or ratio such as "5/2"')
+        raise ValueError(phrase('must be a positive number or ratio such as "5/2"'))
     return text
 
 
@@ -40,7 +41,7 @@ def from_below(value: tuple[Band, ...] | None) -> tuple[Band, ...] | None:
         ValueError: if one is not.
     """
     if any(low_hz >= high_hz for low_hz, high_hz in value or ()):
-        raise ValueError("a band is a lower and a higher rate, in this order")
+        raise ValueError(phrase("a band is a lower and a higher rate, in this order"))
     return value
 
 
@@ -138,7 +139,13 @@ class AxisConfig(Section, ABC):
             if unit == cls._stranger and f"{stem}_{cls.key_unit}" in cls.model_fields:
                 other = "rotary" if cls._stranger == "deg" else "linear"
                 raise ValueError(
-                    f"{key!s} belongs to a {other} axis; this one has {stem}_{cls.key_unit}"
+                    phrase(
+                        "{key} belongs to a {other} axis; this one has {stem}_{key_unit}",
+                        key=key,
+                        other=other,
+                        stem=stem,
+                        key_unit=cls.key_unit,
+                    )
                 )
         return value
 
@@ -153,8 +160,12 @@ class AxisConfig(Section, ABC):
     def _rates(self) -> "AxisConfig":
         if self.start_rate_hz > self.max_rate_hz:
             raise ValueError(
-                f"start_rate_hz ({self.start_rate_hz:g}) must not be above"
-                f" max_rate_hz ({self.max_rate_hz:g})"
+                phrase(
+                    "start_rate_hz ({start_rate_hz:g}) must not be above max_rate_hz"
+                    " ({max_rate_hz:g})",
+                    start_rate_hz=self.start_rate_hz,
+                    max_rate_hz=self.max_rate_hz,
+                )
             )
         return self
 
@@ -286,6 +297,9 @@ class RotaryAxis(AxisConfig):
     def _ends(self) -> "RotaryAxis":
         if self.end_switches and self.travel_deg is None:
             raise ValueError(
-                "an endless axis has no end switches; give travel_deg, or leave out end_switches"
+                phrase(
+                    "an endless axis has no end switches; give travel_deg, or leave out"
+                    " end_switches"
+                )
             )
         return self

@@ -2,6 +2,7 @@
 
 import re
 from fractions import Fraction
+from typing import Literal
 
 from pydantic import Field, field_validator, model_validator
 
@@ -28,6 +29,7 @@ from fraese.config.work import (
     ToolConfig,
 )
 from fraese.config.x4step import X4StepConfig
+from fraese.phrases import phrase
 
 _TOOL = re.compile(r"[0-9]{1,9}")
 #: Travel of an axis; the upper bound is what counters of 32 bits hold with room to spare.
@@ -43,6 +45,9 @@ _NOT_OF_KIND = {
 class Config(Section):
     """The whole file."""
 
+    language: Literal["en", "de"] | None = Field(
+        default=None, description="Language of the program; by default the system's."
+    )
     axes: AxesConfig = AxesConfig()
     card: CardConfig = CardConfig()
     port: PortConfig = PortConfig()
@@ -69,7 +74,9 @@ class Config(Section):
         for key in value:
             if not _TOOL.fullmatch(key):
                 raise ValueError(
-                    f'tools are named by number, as in [tools.1]; "{key[:40]}" is none'
+                    phrase(
+                        'tools are named by number, as in [tools.1]; "{key}" is none', key=key[:40]
+                    )
                 )
         return value
 
@@ -90,20 +97,37 @@ class Config(Section):
         names, most = self.axes.names, SOCKETS[kind]
         if len(names) > most:
             raise ValueError(
-                f'card.kind "{kind}" drives {most} motors at most, but axes.names has'
-                f" {len(names)}: {', '.join(names)}"
+                phrase(
+                    'card.kind "{kind}" drives {most} motors at most, but axes.names has'
+                    " {count}: {names}",
+                    kind=kind,
+                    most=most,
+                    count=len(names),
+                    names=", ".join(names),
+                )
             )
         taken: dict[int, str] = {}
         for name, socket in zip(names, self.axes.sockets, strict=True):
             if socket >= most:
                 raise ValueError(
-                    f'axes.{name}.motor ({socket + 1}) is no socket of card.kind "{kind}", which'
-                    f" has 1 to {most}"
+                    phrase(
+                        'axes.{name}.motor ({socket}) is no socket of card.kind "{kind}",'
+                        " which has 1 to {most}",
+                        name=name,
+                        socket=socket + 1,
+                        kind=kind,
+                        most=most,
+                    )
                 )
             if socket in taken:
                 raise ValueError(
-                    f"axes.{taken[socket]}.motor and axes.{name}.motor are both {socket + 1}; by"
-                    " default an axis has its place in axes.names"
+                    phrase(
+                        "axes.{taken}.motor and axes.{name}.motor are both {socket}; by"
+                        " default an axis has its place in axes.names",
+                        taken=taken[socket],
+                        name=name,
+                        socket=socket + 1,
+                    )
                 )
             taken[socket] = name
 
@@ -114,51 +138,79 @@ class Config(Section):
         usable = Fraction(axis.travel) - 2 * Fraction(self.pull_off(axis))
         if usable <= 0:
             raise ValueError(
-                f"homing.pull_off_mm ({self.homing.pull_off_mm:g}) leaves nothing of"
-                f" {key} ({axis.travel:g})"
+                phrase(
+                    "homing.pull_off_mm ({pull_off_mm:g}) leaves nothing of {key} ({travel:g})",
+                    pull_off_mm=self.homing.pull_off_mm,
+                    key=key,
+                    travel=axis.travel,
+                )
             )
         steps = usable * axis.steps_per_unit()
         if not _FEWEST_STEPS <= steps <= _MOST_STEPS:
             raise ValueError(
-                f"steps_per_rev, gear and pitch_{axis.key_unit} of axes.{name} give its travel"
-                f" {float(steps):.3g} steps; it must be {_FEWEST_STEPS} to {_MOST_STEPS}"
+                phrase(
+                    "steps_per_rev, gear and pitch_{key_unit} of axes.{name} give its travel"
+                    " {steps:.3g} steps; it must be {fewest_steps} to {most_steps}",
+                    key_unit=axis.key_unit,
+                    name=name,
+                    steps=float(steps),
+                    fewest_steps=_FEWEST_STEPS,
+                    most_steps=_MOST_STEPS,
+                )
             )
 
     def _check_order(self) -> None:
         for name in self.homing.order or ():
             axis = self.axes.table.get(name)
             if axis is None:
-                raise ValueError(f'homing.order names "{name}", which is not among axes.names')
+                raise ValueError(
+                    phrase('homing.order names "{name}", which is not among axes.names', name=name)
+                )
             if not axis.has_switches:
                 raise ValueError(
-                    f'homing.order names "{name}", which has no end switches: leave it out; it is'
-                    f" referenced by its name, home {name.upper()}"
+                    phrase(
+                        'homing.order names "{name}", which has no end switches: leave it'
+                        " out; it is referenced by its name, home {name_2}",
+                        name=name,
+                        name_2=name.upper(),
+                    )
                 )
 
     def _check_safe_z(self) -> None:
         z, safe_mm = self.axes.table.get(VERTICAL), self.run.safe_z_mm
         if z is None and self.run.retract_mm:
-            raise ValueError("run.retract_mm lifts Z, and there is no z in axes.names")
+            raise ValueError(phrase("run.retract_mm lifts Z, and there is no z in axes.names"))
         if safe_mm is None:
             return
         if z is None:
-            raise ValueError("run.safe_z_mm is a height of Z, and there is no z in axes.names")
+            raise ValueError(
+                phrase("run.safe_z_mm is a height of Z, and there is no z in axes.names")
+            )
         if z.travel is None:
             return
         usable_mm = float(z.travel) - 2 * self.pull_off(z)
         low_mm = 0 if z.home_end == "min" else -usable_mm
         if not low_mm <= safe_mm <= low_mm + usable_mm:
             raise ValueError(
-                f"run.safe_z_mm ({safe_mm:g}) is outside the travel of Z,"
-                f" {low_mm:g} to {low_mm + usable_mm:g} mm in machine coordinates"
+                phrase(
+                    "run.safe_z_mm ({safe_mm:g}) is outside the travel of Z, {low_mm:g} to"
+                    " {low_mm_2:g} mm in machine coordinates",
+                    safe_mm=safe_mm,
+                    low_mm=low_mm,
+                    low_mm_2=low_mm + usable_mm,
+                )
             )
 
     def _check_probe(self) -> None:
         probe, switches = self.probe, self.switches
         if probe.pin == switches.pin and probe.closed_reads != switches.closed_reads:
             raise ValueError(
-                f"probe.closed_reads ({probe.closed_reads}) differs from switches.closed_reads"
-                f" ({switches.closed_reads}), on the same pin; leave out probe.pin"
+                phrase(
+                    "probe.closed_reads ({closed_reads}) differs from switches.closed_reads"
+                    " ({closed_reads_2}), on the same pin; leave out probe.pin",
+                    closed_reads=probe.closed_reads,
+                    closed_reads_2=switches.closed_reads,
+                )
             )
 
     def _check_outputs(self) -> None:
@@ -166,7 +218,12 @@ class Config(Section):
         for name, output in self.outputs.configured():
             if output.pin in taken:
                 raise ValueError(
-                    f"outputs.{name}.pin {output.pin} is taken already (card {self.card.kind})"
+                    phrase(
+                        "outputs.{name}.pin {pin} is taken already (card {kind})",
+                        name=name,
+                        pin=output.pin,
+                        kind=self.card.kind,
+                    )
                 )
             taken.add(output.pin)
 
@@ -174,21 +231,35 @@ class Config(Section):
         """What is said of a simulated axis is said of one that there is, in its unit."""
         for name, own in self.simulation.axes.items():
             if name not in self.axes.table:
-                raise ValueError(f"simulation.axes.{name}: there is no {name} in axes.names")
+                raise ValueError(
+                    phrase("simulation.axes.{name}: there is no {name} in axes.names", name=name)
+                )
             axis = self.axes.table[name]
             for key in sorted(own.model_fields_set & _NOT_OF_KIND[axis.kind]):
                 stem = key.rpartition("_")[0]
                 raise ValueError(
-                    f"simulation.axes.{name}.{key}: {name} is a {axis.kind} axis; its key is"
-                    f" {stem}_{axis.key_unit}"
+                    phrase(
+                        "simulation.axes.{name}.{key}: {name} is a {kind} axis; its key is"
+                        " {stem}_{key_unit}",
+                        name=name,
+                        key=key,
+                        kind=axis.kind,
+                        stem=stem,
+                        key_unit=axis.key_unit,
+                    )
                 )
         taken: dict[int, str] = {}
         for axis_name, configured in self.axes.table.items():
             socket = self.simulation.own(axis_name).motor or configured.motor
             if socket in taken:
                 raise ValueError(
-                    f"simulation: the motors of {taken[socket]} and {axis_name} hang on the same"
-                    f" socket, {socket}; give simulation.axes.{axis_name}.motor another"
+                    phrase(
+                        "simulation: the motors of {taken} and {axis_name} hang on the same"
+                        " socket, {socket}; give simulation.axes.{axis_name}.motor another",
+                        taken=taken[socket],
+                        axis_name=axis_name,
+                        socket=socket,
+                    )
                 )
             taken[socket] = axis_name
 

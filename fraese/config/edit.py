@@ -19,6 +19,7 @@ from tomlkit.exceptions import TOMLKitError
 
 from fraese.config.file import FILE_NAME, check_text, find_file
 from fraese.errors import ConfigError
+from fraese.phrases import phrase, reason
 
 #: What a key may become.
 Value = bool | int | float | Decimal | str | tuple[Any, ...]
@@ -85,9 +86,11 @@ def _text(path: Path) -> str:
     try:
         return path.read_bytes().decode("utf-8") if os.path.lexists(path) else ""
     except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror}.") from error
+        raise ConfigError(
+            phrase("{path}: cannot be read: {reason}.", path=path, reason=reason(error))
+        ) from error
     except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: is not a text file in UTF-8.") from error
+        raise ConfigError(phrase("{path}: is not a text file in UTF-8.", path=path)) from error
 
 
 def _changed(path: Path, text: str, values: Mapping[str, Value]) -> str:
@@ -104,7 +107,9 @@ def _changed(path: Path, text: str, values: Mapping[str, Value]) -> str:
             place[name] = tomlkit.value(as_toml(value))
         return tomlkit.dumps(document)
     except (TOMLKitError, TypeError, AttributeError) as error:
-        raise ConfigError(f"{path}: cannot be changed: {error}.") from error
+        raise ConfigError(
+            phrase("{path}: cannot be changed: {error}.", path=path, error=error)
+        ) from error
 
 
 def _replace(path: Path, text: str) -> None:
@@ -124,4 +129,6 @@ def _replace(path: Path, text: str) -> None:
     except OSError as error:
         with suppress(OSError):
             os.unlink(beside)
-        raise ConfigError(f"{path}: cannot be written: {error.strerror}.") from error
+        raise ConfigError(
+            phrase("{path}: cannot be written: {reason}.", path=path, reason=reason(error))
+        ) from error

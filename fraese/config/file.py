@@ -9,7 +9,7 @@ Rule 3: a complaint names file and key, says what is wrong and what would be rig
 import os
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from decimal import Decimal
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
@@ -17,6 +17,7 @@ from typing import Any, Literal, get_args, get_origin
 import platformdirs
 import tomlkit
 from pydantic import ValidationError
+from pydantic_core import ErrorDetails
 
 from fraese.config.axes import AxesConfig
 from fraese.config.axis import LinearAxis, RotaryAxis
@@ -25,6 +26,7 @@ from fraese.config.section import Section, Truth
 from fraese.config.simulation import SimulatedAxis
 from fraese.config.work import ToolConfig
 from fraese.errors import ConfigError
+from fraese.phrases import Phrase, joined, phrase, reason
 
 FILE_NAME = "fraese.toml"
 #: Values in messages are cut behind this many characters.
@@ -33,9 +35,9 @@ _SCALARS = (int, float, str, Decimal, Truth)
 #: What the checker says of its own types, and how one says it of a TOML file.
 _TOML_WORDS: Mapping[str, str] = {
     r"^Value error, ": "",
-    r"^Decimal input should be.*": "must be a number",
+    r"^Decimal input should be.*": phrase("must be a number"),
     r"^Input should be": "must be",
-    r"^Field required": "must be given",
+    r"^Field required": phrase("must be given"),
     r"^Tuple should have": "must have",
     r" after validation|, (unable to|got a) [a-z ]+": "",
     r"a valid (tuple|list)": "a list",
@@ -46,6 +48,17 @@ _TOML_WORDS: Mapping[str, str] = {
     r"a valid dictionary( or instance of \w+)?": "a table",
     r"\.$": "",
 }
+#: The same of its complaints with a number or a choice in them.
+_WITH_BOUND: Mapping[str, Callable[[str], Phrase]] = {
+    "greater_than": lambda bound: phrase("must be greater than {bound}", bound=bound),
+    "greater_than_equal": lambda bound: phrase(
+        "must be greater than or equal to {bound}", bound=bound
+    ),
+    "less_than": lambda bound: phrase("must be less than {bound}", bound=bound),
+    "less_than_equal": lambda bound: phrase("must be less than or equal to {bound}", bound=bound),
+    "literal_error": lambda choices: phrase("must be {choices}", choices=_either(choices)),
+}
+_BEFORE_BOUND = re.compile(r"^must be ((greater|less) than (or equal to )?)?")
 #: Kinds of a table that the place of a complaint names, but not the file.
 _KINDS: Mapping[str, type[Section]] = {"linear": LinearAxis, "rotary": RotaryAxis}
 #: Tables of which there may be several, and the name of one that serves as an example.
@@ -60,7 +73,7 @@ def find_file(named: Path | None = None) -> Path | None:
     """
     if named is not None:
         if not _is_file(named):
-            raise ConfigError(f"{named}: there is no such configuration file.")
+            raise ConfigError(phrase("{named}: there is no such configuration file.", named=named))
         return named
     user = Path(platformdirs.user_config_dir("fraese")) / FILE_NAME
     return next((path for path in (Path(FILE_NAME), user) if _is_file(path)), None)
@@ -78,8 +91,12 @@ def _is_file(path: Path) -> bool:
         if found or not os.path.lexists(path):
             return found
     except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror}.") from error
-    raise ConfigError(f"{path}: is no plain file; a configuration is read from one.")
+        raise ConfigError(
+            phrase("{path}: cannot be read: {reason}.", path=path, reason=reason(error))
+        ) from error
+    raise ConfigError(
+        phrase("{path}: is no plain file; a configuration is read from one.", path=path)
+    )
 
 
 def load(named: Path | None = None) -> Config:
@@ -105,9 +122,11 @@ def _read(path: Path) -> dict[str, Any]:
     try:
         text = path.read_bytes().decode("utf-8")
     except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {os.strerror(error.errno or 0)}.") from error
+        raise ConfigError(
+            phrase("{path}: cannot be read: {reason}.", path=path, reason=reason(error))
+        ) from error
     except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: is not a text file in UTF-8.") from error
+        raise ConfigError(phrase("{path}: is not a text file in UTF-8.", path=path)) from error
     return _parsed(text, str(path))
 
 
@@ -115,11 +134,17 @@ def _parsed(text: str, place: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text, parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{place}: is not valid TOML: {error}.") from error
+        raise ConfigError(
+            phrase("{place}: is not valid TOML: {error}.", place=place, error=error)
+        ) from error
     except (RecursionError, ValueError) as error:
         # Of these the reader says no more: brackets in brackets, a number of thousands of digits.
         raise ConfigError(
-            f"{place}: is no configuration: brackets are nested too deep, or a number is too long."
+            phrase(
+                "{place}: is no configuration: brackets are nested too deep, or a number is"
+                " too long.",
+                place=place,
+            )
         ) from error
 
 
@@ -132,7 +157,7 @@ def from_table(raw: dict[str, Any], place: str) -> Config:
     try:
         return Config.model_validate(raw)
     except ValidationError as error:
-        raise ConfigError(f"{place}: {_sentence(error)}") from error
+        raise ConfigError(joined(": ", (place, _sentence(error)))) from error
 
 
 def _sentence(error: ValidationError) -> str:
@@ -144,16 +169,34 @@ def _sentence(error: ValidationError) -> str:
     if first["type"] == "extra_forbidden":
         parent = _section_at(first["loc"][:-1])
         known = ", ".join(sorted(parent.model_fields)) if parent else ""
-        text = f"unknown key {key}" + (f"; known here: {known}" if known else "")
+        text = phrase("unknown key {key}", key=key) + (
+            phrase("; known here: {known}", known=known) if known else ""
+        )
     else:
-        said = first["msg"]
-        for theirs, ours in _TOML_WORDS.items():
-            said = re.sub(theirs, ours, said)
+        said = _complaint(first)
         given = first["input"]
-        shown = f", not {_short(given)}" if isinstance(given, _SCALARS) else ""
-        text = f"{key}: {said}{shown}" if key else said
+        if isinstance(given, _SCALARS):
+            said = phrase("{said}, not {given}", said=said, given=_short(given))
+        text = joined(": ", (key, said)) if key else said
     more = len(complaints) - 1
-    return text + (f" (and {more} more)" if more else "") + "."
+    return text + (phrase(" (and {more} more)", more=more) if more else "") + "."
+
+
+def _complaint(details: ErrorDetails) -> Phrase:
+    """What the checker complains of, as one says it of a TOML file."""
+    own = details.get("ctx", {}).get("error")
+    if isinstance(own, ValueError) and isinstance(own.args[0], Phrase):
+        return own.args[0]
+    said = details["msg"]
+    for theirs, ours in _TOML_WORDS.items():
+        said = re.sub(theirs, ours, said)
+    with_bound = _WITH_BOUND.get(details["type"])
+    return with_bound(_BEFORE_BOUND.sub("", said)) if with_bound else Phrase(said, said)
+
+
+def _either(choices: str) -> str:
+    others, either, last = choices.rpartition(" or ")
+    return phrase("{others} or {last}", others=others, last=last) if either else choices
 
 
 def _short(value: object) -> str:
@@ -244,7 +287,7 @@ def _example_table(path: str, annotation: Any) -> list[str]:
 def _example(annotation: Any) -> str:
     """A value for a key that has none by default."""
     if choices := _literals(annotation):
-        return str(choices[-1])
+        return str(tomlkit.item(choices[-1]).as_string())
     kinds = get_args(annotation)
     if any(get_origin(kind) is tuple for kind in kinds):
         return '["z", "x", "y"]'

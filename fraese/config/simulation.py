@@ -18,6 +18,7 @@ from pydantic import Field, field_validator, model_validator
 from fraese.config.axes import AxisName
 from fraese.config.axis import MOST_AXES, Band, from_below, gear_ratio
 from fraese.config.section import NotNegative, Positive, Section
+from fraese.phrases import phrase
 
 #: Keys of older files, in half-steps of a motor with 400 in a turn, and what they became.
 _OLDER: Final[Mapping[str, str]] = {
@@ -214,11 +215,22 @@ class SimulationConfig(SimulatedMotor):
             rate = values.pop(older)
             if key in values:
                 raise ValueError(
-                    f"{older} is the older name of {key}, in half-steps of a motor with"
-                    f" {_OLDER_HALF_STEPS_PER_REV} in a turn; leave it out"
+                    phrase(
+                        "{older} is the older name of {key}, in half-steps of a motor with"
+                        " {older_half_steps_per_rev} in a turn; leave it out",
+                        older=older,
+                        key=key,
+                        older_half_steps_per_rev=_OLDER_HALF_STEPS_PER_REV,
+                    )
                 )
             if isinstance(rate, bool) or not isinstance(rate, int | float | Decimal):
-                raise ValueError(f"{older} must be a number; better, give {key} in turns")
+                raise ValueError(
+                    phrase(
+                        "{older} must be a number; better, give {key} in turns",
+                        older=older,
+                        key=key,
+                    )
+                )
             values[key] = float(rate) / _OLDER_HALF_STEPS_PER_REV
         return values
 

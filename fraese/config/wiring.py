@@ -7,6 +7,7 @@ from typing import Final, Literal
 from pydantic import Field, field_validator
 
 from fraese.config.section import Section
+from fraese.phrases import phrase
 
 #: DB25 pins of the status register.
 StatusPin = Literal[10, 11, 12, 13, 15]
@@ -139,7 +140,9 @@ class PortConfig(Section):
     @classmethod
     def _full_path(cls, value: str) -> str:
         if not _DEVICE.fullmatch(value):
-            raise ValueError("must be the full path of a device file, such as /dev/parport0")
+            raise ValueError(
+                phrase("must be the full path of a device file, such as /dev/parport0")
+            )
         return value
 
     @property

@@ -7,6 +7,7 @@ from pydantic import Field, field_validator
 
 from fraese.config.axes import AxisName
 from fraese.config.section import NotNegative, Positive, Section
+from fraese.phrases import phrase
 
 
 class HomingConfig(Section):
@@ -51,7 +52,7 @@ class HomingConfig(Section):
     @classmethod
     def _no_axis_twice(cls, value: tuple[str, ...] | None) -> tuple[str, ...] | None:
         if value is not None and len(set(value)) != len(value):
-            raise ValueError("names an axis twice")
+            raise ValueError(phrase("names an axis twice"))
         return value
 
 
@@ -138,7 +139,9 @@ class RunConfig(Section):
     def _are_whole(cls, value: tuple[str, ...]) -> tuple[str, ...]:
         for folder in value:
             if not (folder.startswith("~") or Path(folder).is_absolute()):
-                raise ValueError(f'"{folder[:80]}" is no whole path; begin it with / or ~')
+                raise ValueError(
+                    phrase('"{folder}" is no whole path; begin it with / or ~', folder=folder[:80])
+                )
         return value
 
     @field_validator("ignored_m_codes")
@@ -146,7 +149,9 @@ class RunConfig(Section):
     def _are_free(cls, value: tuple[int, ...]) -> tuple[int, ...]:
         for code in value:
             if not 100 <= code <= 199:
-                raise ValueError(f"M{code} is none of M100 to M199, which are the user's own")
+                raise ValueError(
+                    phrase("M{code} is none of M100 to M199, which are the user's own", code=code)
+                )
         return value
 
     @property

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Final
 
 from fraese.errors import ConfigError
+from fraese.phrases import phrase
 
 _MODE: Final = 0o600
 _FOLDER_MODE: Final = 0o700
@@ -46,8 +47,16 @@ def open_plain(path: Path, flags: int) -> int | None:
 def _require_plain(path: Path, mode: int) -> None:
     if stat.S_ISREG(mode):
         return
-    what = "a link" if stat.S_ISLNK(mode) else "a folder" if stat.S_ISDIR(mode) else "no file"
-    raise ConfigError(f"{path}: is {what}, where the state is kept: remove it.")
+    what = (
+        phrase("a link")
+        if stat.S_ISLNK(mode)
+        else phrase("a folder")
+        if stat.S_ISDIR(mode)
+        else phrase("no file")
+    )
+    raise ConfigError(
+        phrase("{path}: is {what}, where the state is kept: remove it.", path=path, what=what)
+    )
 
 
 def make_folder(folder: Path) -> None:

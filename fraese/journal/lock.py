@@ -16,6 +16,7 @@ from typing import Final
 
 from fraese.errors import BusyError, ConfigError
 from fraese.journal.files import create, make_folder, open_plain, read_all, write_all
+from fraese.phrases import phrase, reason
 
 try:
     import fcntl
@@ -54,9 +55,11 @@ class Holder:
     def in_words(self) -> str:
         """For people; a step process may hold it longer than its program lived."""
         if not self.pid:
-            return "another program"
-        left = "" if self.lives else "what is left of "
-        return f"{left}{self.command} (process {self.pid})"
+            return phrase("another program")
+        left = "" if self.lives else phrase("what is left of ")
+        return phrase(
+            "{left}{command} (process {pid})", left=left, command=self.command, pid=self.pid
+        )
 
 
 class MachineLock:
@@ -95,7 +98,11 @@ class MachineLock:
         except OSError as error:
             self.let_go()
             raise ConfigError(
-                f"{self.path}: the state cannot be written: {error.strerror}."
+                phrase(
+                    "{path}: the state cannot be written: {reason}.",
+                    path=self.path,
+                    reason=reason(error),
+                )
             ) from error
         except BusyError:
             self.let_go()
@@ -116,7 +123,10 @@ class MachineLock:
             holder = _holder(fd)
             if holder.lives or time.monotonic() >= until_s:
                 raise BusyError(
-                    f"The machine is driven by {holder.in_words()} already; nothing has moved.",
+                    phrase(
+                        "The machine is driven by {in_words} already; nothing has moved.",
+                        in_words=holder.in_words(),
+                    ),
                     command=holder.command,
                     pid=holder.pid,
                 )

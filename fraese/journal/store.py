@@ -21,6 +21,7 @@ from typing import Final
 from fraese.errors import ConfigError
 from fraese.journal.files import make_folder, open_plain, read_all, replace, sync, write_all
 from fraese.journal.pages import SLOT, Condition, Slot, blank_slot, read_slot, record
+from fraese.phrases import phrase, reason
 
 _SLOTS: Final = 2
 
@@ -68,7 +69,11 @@ class Journal:
                 os.close(fd)
         except OSError as error:
             raise ConfigError(
-                f"{self.path}: the state cannot be read: {error.strerror}; start with --fresh."
+                phrase(
+                    "{path}: the state cannot be read: {reason}; start with --fresh.",
+                    path=self.path,
+                    reason=reason(error),
+                )
             ) from error
         slots = [read_slot(content[at : at + SLOT]) for at in (0, SLOT)]
         return self._chosen(slots)
@@ -76,14 +81,20 @@ class Journal:
     def _chosen(self, slots: list[Slot]) -> Found:
         if any(slot.condition is Condition.NEWER for slot in slots):
             raise ConfigError(
-                f"{self.path}: was written by another version of fraese: use that one, or start"
-                " with --fresh and reference the machine."
+                phrase(
+                    "{path}: was written by another version of fraese: use that one, or"
+                    " start with --fresh and reference the machine.",
+                    path=self.path,
+                )
             )
         whole = [slot for slot in slots if slot.condition is Condition.WHOLE]
         numbers = [slot.sequence for slot in slots if slot.sequence is not None]
         if not whole or (len(whole) == _SLOTS and len({*numbers}) == 1):
             raise ConfigError(
-                f"{self.path}: is damaged; start with --fresh and reference the machine."
+                phrase(
+                    "{path}: is damaged; start with --fresh and reference the machine.",
+                    path=self.path,
+                )
             )
         best = max(whole, key=lambda slot: slot.sequence or 0)
         other = slots[1 - slots.index(best)]
@@ -128,7 +139,11 @@ class Journal:
                 self._slot = 1 - self._slot
         except OSError as error:
             raise ConfigError(
-                f"{self.path}: the state cannot be written: {error.strerror}."
+                phrase(
+                    "{path}: the state cannot be written: {reason}.",
+                    path=self.path,
+                    reason=reason(error),
+                )
             ) from error
 
     def _create(self, payload: bytes) -> None:

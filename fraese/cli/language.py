@@ -1,0 +1,52 @@
+"""Which language commands and the app speak.
+
+Rule 1: what is said in front of the command counts, then ``FRAESE_LANGUAGE``, then the
+        configuration, then the system.
+"""
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fraese.config import file as configuration
+from fraese.config.config import Config
+from fraese.phrases import LANGUAGE_VARIABLE, LANGUAGES, speak, wanted_language
+
+
+def as_the_system() -> None:
+    """Before anything is known of a configuration."""
+    speak(wanted_language(os.environ))
+
+
+def load(named: Path | None) -> Config:
+    """The configuration; from now on its language, if nobody said otherwise.
+
+    Raises:
+        ConfigError: one sentence with file, key and what would be right.
+    """
+    config = configuration.load(named)
+    speak(wanted_language(os.environ, config.language))
+    return config
+
+
+def _said(language: str | None) -> str | None:
+    if language is not None:
+        if language not in LANGUAGES:
+            raise typer.BadParameter(f"{language} is none of {', '.join(LANGUAGES)}.")
+        os.environ[LANGUAGE_VARIABLE] = language
+        as_the_system()
+    return language
+
+
+LanguageOption = Annotated[
+    str | None,
+    typer.Option(
+        "--language",
+        metavar="|".join(LANGUAGES),
+        help="Language; else as FRAESE_LANGUAGE, the configuration, or the system says.",
+        callback=_said,
+        is_eager=True,
+    ),
+]
