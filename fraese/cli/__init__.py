@@ -11,6 +11,7 @@ import typer
 from fraese.assembly import Plant
 from fraese.cli import (
     alarms,
+    appkeys,
     bench,
     bridge,
     calibrate,
@@ -90,7 +91,7 @@ def start(
             )
         on = Drive(config=config, state=state, fresh=fresh, trace=trace)
         plant = on.plant("paced")
-        return _run_app(plant, file, on.folder, FileWriter(config))
+        return _run_app(plant, file, on)
 
     leave(go)
 
@@ -98,34 +99,34 @@ def start(
 def _make_app(
     plant: Plant,
     program: Path | None,
-    folder: Path,
+    on: Drive,
     leaving: Callable[[int], object] | None = None,
-    writer: FileWriter | None = None,
 ) -> "FraeseApp":
     # Textual takes a quarter of a second to import; headless commands do not pay for it.
     from fraese.ui.app import FraeseApp
 
     # What a crash has left is offered by the app itself.
     left = left_by_crash(plant.controller)
-    kept = KeptPrograms(folder)
+    kept = KeptPrograms(on.folder)
     return FraeseApp(
         plant.controller,
         open_program=partial(open_program, apart=True, kept=kept),
         resume=partial(Resumption.of, kept=kept, apart=True),
-        recent=RecentPrograms(folder),
+        recent=RecentPrograms(on.folder),
         notes=[text for text in plant.notes if left is None or text != left.sentence],
         program=program,
         machine_name=plant.machine_name,
         hand=plant.press if plant.is_simulated else None,
         leaving=leaving,
-        writer=writer,
+        writer=FileWriter(on.config),
         bench=plant.bench,
         tools=ByHand(),
         history=kept.state_folder / _TYPED_LINES,
+        keys=appkeys.table_of(plant.controller, plant.config, on.config),
     )
 
 
-def _run_app(plant: Plant, program: Path | None, folder: Path, writer: FileWriter) -> int:
+def _run_app(plant: Plant, program: Path | None, on: Drive) -> int:
     """The app, to its end; the exit code."""
     departure = Departure(leave=left_at_once(sys.stdin.fileno()))
     ui: FraeseApp | None = None
@@ -145,7 +146,7 @@ def _run_app(plant: Plant, program: Path | None, folder: Path, writer: FileWrite
         in_background(lambda: departure.machine_is_closed(closing.code(code)), "way out")
 
     try:
-        ui = _make_app(plant, program, folder, leaving, writer)
+        ui = _make_app(plant, program, on, leaving)
         ui.run()
     finally:
         _close_moved(plant, closing)

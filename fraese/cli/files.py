@@ -7,7 +7,7 @@ import typer
 
 from fraese.assembly import assemble
 from fraese.assembly.misfits import described
-from fraese.cli import language
+from fraese.cli import appkeys, language
 from fraese.cli.output import note, say, write
 from fraese.cli.shared import ConfigOption, FileArgument, StartingPlace, leave, with_options
 from fraese.config import file as configuration
@@ -22,6 +22,7 @@ from fraese.program.taken import take_program
 app = typer.Typer()
 config_app = typer.Typer(help="Look at the configuration.", no_args_is_help=True)
 app.add_typer(config_app, name="config")
+config_app.command("keys")(appkeys.keys)
 
 
 # --- programs ----------------------------------------------------------------------------------
@@ -128,6 +129,8 @@ def config_check(config: ConfigOption = None) -> None:
         settings = language.load(config)
         plant = assemble(settings, at_desk=True)
         plant.controller.close()
+        if settings.keys:
+            appkeys.table_of(plant.controller, settings, config)
         for text in plant.notes:
             note(text)
         if described(settings):

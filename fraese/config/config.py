@@ -8,6 +8,7 @@ from pydantic import Field, field_validator, model_validator
 
 from fraese.config.axes import VERTICAL, AxesConfig
 from fraese.config.axis import AxisConfig
+from fraese.config.person import KeyNames
 from fraese.config.section import Section
 from fraese.config.simulation import SimulationConfig
 from fraese.config.wiring import (
@@ -67,6 +68,13 @@ class Config(Section):
     simulation: SimulationConfig = SimulationConfig()
     x4step: X4StepConfig = X4StepConfig()
     log: LogConfig = LogConfig()
+    keys: dict[str, KeyNames] = Field(
+        default_factory=dict,
+        description=(
+            "Keys of the app that are changed: by the name of the action, a key or a list of keys;"
+            " fraese config keys lists both. Escape and Ctrl+C always stop."
+        ),
+    )
 
     @field_validator("tools")
     @classmethod

@@ -38,7 +38,7 @@ _TOML_WORDS: Mapping[str, str] = {
     r"^Decimal input should be.*": phrase("must be a number"),
     r"^Input should be": "must be",
     r"^Field required": phrase("must be given"),
-    r"^Tuple should have": "must have",
+    r"^(Tuple|Value) should have": "must have",
     r" after validation|, (unable to|got a) [a-z ]+": "",
     r"a valid (tuple|list)": "a list",
     r"a valid integer|an? integer": "a whole number",
@@ -61,6 +61,10 @@ _WITH_BOUND: Mapping[str, Callable[[str], Phrase]] = {
 _BEFORE_BOUND = re.compile(r"^must be ((greater|less) than (or equal to )?)?")
 #: Kinds of a table that the place of a complaint names, but not the file.
 _KINDS: Mapping[str, type[Section]] = {"linear": LinearAxis, "rotary": RotaryAxis}
+#: By the name of a table of the whole file: what may stand in it, where its keys are no fixed ones.
+_BY_EXAMPLE: Mapping[str, tuple[str, ...]] = {
+    "keys": ("[keys]", 'go_to = "f8"', 'jog_x_plus = ["right", "d"]'),
+}
 #: Tables of which there may be several, and the name of one that serves as an example.
 _NAMED_AT_WILL: Mapping[type[Section], str] = {ToolConfig: "1", SimulatedAxis: "x"}
 
@@ -253,6 +257,9 @@ def _annotate(section: Section, path: str, lines: list[str]) -> None:
         if value is None and isinstance(section, AxesConfig):
             continue  # one of the letters that this machine has not
         lines.append(f"# {field.description}{_choices(field.annotation)}{_bounds(field.metadata)}")
+        if not path and key in _BY_EXAMPLE:
+            lines += [f"#{line}" for line in _BY_EXAMPLE[key]]
+            continue
         if isinstance(value, dict):
             lines += _example_table(f"{path}.{key}" if path else key, field.annotation)
             continue

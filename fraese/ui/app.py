@@ -77,6 +77,7 @@ class FraeseApp(ViewedApp):
         views: the table of views; the first is there at the start.
         tools: who knows the language.
         history: where typed lines are kept; None: nowhere.
+        keys: the table, if keys were changed; None: as they are.
 
     Attributes:
         link: to the machine.
@@ -104,6 +105,7 @@ class FraeseApp(ViewedApp):
         views: Mapping[str, type[View]] = VIEWS,
         tools: HandTools | None = None,
         history: Path | None = None,
+        keys: KeyTable | None = None,
     ) -> None:
         self.link = MachineLink(controller, self.post_message)
         self._early_stop = EarlyStop(STOP_KEYS, self.link.brake_or_stop)
@@ -115,7 +117,7 @@ class FraeseApp(ViewedApp):
         # Each is counted up by one thread only: what two count gets lost.
         self._typed = self._queued = 0
         super().__init__()
-        self._keys = KeyTable(self.link.shape, views)
+        self._keys = keys or KeyTable(self.link.shape, views)
         self._repeats = RepeatRule()
         self._questions = Questions(self, self._keys, self.link, lambda said: self.view.say(said))
         self._fingers = Fingers(

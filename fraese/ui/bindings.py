@@ -15,7 +15,7 @@ def bind(node: DOMNode, rows: Iterable[Row]) -> None:
     are here depends on the machine's axes.
     """
     for row in rows:
-        for key in filter(None, row.keys.split(",")):
+        for key in row.each:
             node._bindings.key_to_bindings[key] = [
                 Binding(
                     key,

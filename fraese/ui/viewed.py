@@ -46,7 +46,7 @@ class ViewedApp(App[None]):
         for command in self._keys.commands:
             yield SystemCommand(
                 command.title,
-                f"Key {command.shown}. {command.help}",
+                f"Key {command.all_shown}. {command.help}",
                 self._from_palette(command.action, command.area),
             )
 

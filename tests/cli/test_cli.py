@@ -322,6 +322,21 @@ def test_a_bad_configuration_stops_every_command(
     assert shop.kept() == {}
 
 
+def test_the_keys_of_the_app_are_listed_and_checked(shop: Shop) -> None:
+    shop.file('[keys]\ngo_to = ["f8", "g"]\n', "fraese.toml")
+    assert shop.run("config", "check", state=False).stdout == "fraese.toml: ok\n"
+    listed = shop.run("config", "keys", state=False).stdout.splitlines()
+    assert [line.split()[:3] for line in listed if line.startswith("go_to ")] == [
+        ["go_to", "F8", "g"]
+    ]
+    shop.file('[keys]\ngo_to = "escape"\n', "fraese.toml")
+    result = shop.run("config", "check", state=False)
+    assert result.exit_code == 2
+    assert "fraese.toml: keys.go_to: escape always stops; choose another key." in result.stderr
+    shop.file("[keys]\ngo_to = []\n", "fraese.toml")
+    assert "keys.go_to: must have at least 1 item, not 0." in shop.run("where").stderr
+
+
 def test_config_check_schema_and_default(shop: Shop) -> None:
     assert "built-in defaults" in shop.run("config", "check", state=False).stdout
     default = shop.run("config", "default", state=False).stdout

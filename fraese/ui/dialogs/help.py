@@ -35,5 +35,5 @@ class HelpPage(Page[None]):
         table.add_column()
         for command in self.keys.commands:
             if command.group == group:
-                table.add_row(Text(command.shown, "bold"), f"{command.title}: {command.help}")
+                table.add_row(Text(command.all_shown, "bold"), f"{command.title}: {command.help}")
         return table

@@ -100,6 +100,7 @@ def set_width(number: int, width: Width) -> Row:
         f"Step {width.label}",
         f"Step width {width.label}{rule}.",
         "Jog",
+        given_name=f"step_width_{number}",
     )
 
 

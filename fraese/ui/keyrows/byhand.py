@@ -7,7 +7,7 @@ from fraese.ui.keyrows.row import Area, Row
 BY_HAND: Final = (
     Row(
         Area.MACHINE, "m,colon", "m", "type_line", "Type a line …",
-        "G-code or a place such as X10 Y5, with what was typed before; also the colon.",
+        "G-code or a place such as X10 Y5, with what was typed before.",
         "Position", "Type",
     ),
     Row(

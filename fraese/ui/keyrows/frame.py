@@ -9,6 +9,7 @@ def _view(number: int, name: str, title: str, short: str, what: str) -> Row:
     return Row(
         Area.VIEWS, f"f{number}", f"F{number}", f"app.show_view('{name}')", title,
         f"The view {title}: {what}.", "Views", footer=short,
+        given_name=f"view_{name}",
     )  # fmt: skip
 
 

@@ -60,7 +60,7 @@ REST: Final = (
     ),
     Row(
         Area.VIEWS, "question_mark,f1", "F1", "help", "Help",
-        "This page; also ?.", "Machine", "Help",
+        "This page.", "Machine", "Help",
     ),
 )  # fmt: skip
 OVERRIDES: Final = (
@@ -80,11 +80,11 @@ OVERRIDES: Final = (
     *RAPIDS,
     Row(
         Area.MACHINE, "w,plus", "w", "width(1)", "Wider step",
-        "The next larger step width, after the largest the smallest; also +.", "Jog",
+        "The next larger step width, after the largest the smallest.", "Jog",
     ),
     Row(
         Area.MACHINE, "W,minus", "W", "width(-1)", "Narrower step",
-        "The next smaller step width; also -.", "Jog",
+        "The next smaller step width.", "Jog",
     ),
 )  # fmt: skip
 AFTERWARDS: Final = (

@@ -1,7 +1,11 @@
 """What a row of the key table is, and in which areas there are rows."""
 
+import re
 from dataclasses import dataclass
 from enum import Enum
+from typing import Final
+
+from fraese.ui.keyrows.naming import shown
 
 
 class Area(Enum):
@@ -49,6 +53,7 @@ class Row:
         footer: word for the footer; empty: not there.
         hint: words in a dialog's line of keys; empty: not there.
         priority: comes before whatever has the focus.
+        given_name: what the configuration calls it, where that is not made of its title.
     """
 
     area: Area
@@ -61,6 +66,16 @@ class Row:
     footer: str = ""
     hint: str = ""
     priority: bool = False
+    given_name: str = ""
+
+    @property
+    def name(self) -> str:
+        """What the configuration calls it: its title, behind the view where only that has it."""
+        if self.given_name:
+            return self.given_name
+        words = self.title.replace("+", " plus").replace("−", " minus").lower()
+        where = f"{self.area.value} " if self.area in _OWN_VIEWS else ""
+        return "_".join(re.findall("[a-z0-9]+", where.lower() + words))
 
     @property
     def each(self) -> tuple[str, ...]:
@@ -71,3 +86,12 @@ class Row:
     def said(self) -> str:
         """The key as a sentence names it: "Esc", "o", "Ctrl+Q"."""
         return f"Ctrl+{self.shown[1:].upper()}" if self.shown.startswith("^") else self.shown
+
+    @property
+    def all_shown(self) -> str:
+        """All its keys for people: "F1 ?"."""
+        others = (shown(key) for key in self.each)
+        return " ".join(dict.fromkeys([self.shown, *others]))
+
+
+_OWN_VIEWS: Final = (Area.PROGRAM, Area.CALIBRATE, Area.BENCH, Area.LOG)

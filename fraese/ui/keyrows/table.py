@@ -2,12 +2,14 @@
 
 from collections.abc import Iterable
 from itertools import groupby
+from types import MappingProxyType
 from typing import Final
 
 from fraese.ui.keyrows import byhand, frame
 from fraese.ui.keyrows.axes import choose, jog_rows, set_width, zero_rows
 from fraese.ui.keyrows.bench import BENCH
 from fraese.ui.keyrows.calibrate import CALIBRATE, CALIBRATE_DIALOGS
+from fraese.ui.keyrows.changes import Changes, changing, check_each_means_one_thing
 from fraese.ui.keyrows.dialogs import AFTER_AXES, BEFORE_AXES
 from fraese.ui.keyrows.everywhere import QUIT_AT_ONCE, STOP
 from fraese.ui.keyrows.machine import (
@@ -50,6 +52,10 @@ class KeyTable:
     Args:
         shape: its axes and steps.
         views: names of those that there are.
+        changes: keys that somebody has changed, by the names of their actions.
+
+    Raises:
+        ConfigError: if they cannot be changed so.
 
     Attributes:
         views: the rows of the views, by name.
@@ -58,9 +64,14 @@ class KeyTable:
         rows: these and the keys of dialogs and pages.
     """
 
-    def __init__(self, shape: Shape, views: Iterable[str] = tuple(frame.VIEW_ROWS)) -> None:
+    def __init__(
+        self,
+        shape: Shape,
+        views: Iterable[str] = tuple(frame.VIEW_ROWS),
+        changes: Changes = MappingProxyType({}),
+    ) -> None:
         self.views = {name: frame.VIEW_ROWS[name] for name in views if name in frame.VIEW_ROWS}
-        self.listed = (
+        self.listed: tuple[Row, ...] = (
             STOP,
             *HOLDING,
             *jog_rows(shape.axes, upright=True),
@@ -87,6 +98,11 @@ class KeyTable:
             *(BENCH if "bench" in self.views else ()),
             *frame.LOG,
         )
+        change = changing(self.commands, changes)
+        self.views = {name: change(row) for name, row in self.views.items()}
+        self.listed = tuple(map(change, self.listed))
+        self.commands = tuple(map(change, self.commands))
+        check_each_means_one_thing(self.commands, changes)
         boxes = (choose(axis) for axis in shape.axes)
         self.rows = (
             *self.commands, *byhand.DIALOGS, *BEFORE_AXES, *boxes, *AFTER_AXES, *CALIBRATE_DIALOGS,

@@ -19,14 +19,13 @@ from fraese.ui.dialogs.form import Field, FormDialog, Words, number, number_or_n
 from fraese.ui.dialogs.reference import Reference, ReferenceDialog
 from fraese.ui.dialogs.switches import SwitchPage
 from fraese.ui.keyrows import Area
-from fraese.ui.keyrows.calibrate import CALIBRATE, ROUTINE_ROWS
+from fraese.ui.keyrows.calibrate import ROUTINE_ROWS
 from fraese.ui.shape import AxisShape
 from fraese.ui.views.view import BUSY, Desk, View
 from fraese.ui.widgets.fact import Fact
 from fraese.ui.widgets.findings import finding, proposed
 from fraese.ui.widgets.links import Link
 
-_KEYS: Final = {row.action: row.shown for row in CALIBRATE}
 _YES: Final = "yes"
 
 
@@ -76,7 +75,7 @@ class CalibrateView(View):
             with Vertical(id="routines"):
                 yield self._axes
                 for row in ROUTINE_ROWS:
-                    yield Link(row.action, row.shown, row.title)
+                    yield Link(row.action, self._key(row.action), row.title)
                 yield self._tried
             with VerticalScroll(id="found", can_focus=False):
                 yield self._title
@@ -85,6 +84,9 @@ class CalibrateView(View):
                 # First what is to be decided: where there is little room the figures are scrolled.
                 yield self._proposal
                 yield self._finding
+
+    def _key(self, action: str) -> str:
+        return next(row.shown for row in self.desk.keys.of(self.AREA) if row.action == action)
 
     # --- what is shown ---------------------------------------------------------------------------
 
@@ -100,7 +102,7 @@ class CalibrateView(View):
             f"[{axis.letter}]" if n == self._at else f" {axis.letter} "
             for n, axis in enumerate(axes)
         )
-        self._axes.show(f"axis {names}  {_KEYS['axis(-1)']} {_KEYS['axis(1)']}")
+        self._axes.show(f"axis {names}  {self._key('axis(-1)')} {self._key('axis(1)')}")
         self._tried.show(self._tried_words())
         self._title.show(self._routine.title)
         runs = state.status is Status.RUN
@@ -119,11 +121,11 @@ class CalibrateView(View):
         self._finding.show("\n".join(lines))
         more: Sequence[str] = ()
         if test is not None and not running:
-            more = proposed(calibration, _KEYS["write"], _KEYS["proposal(1)"])
+            more = proposed(calibration, self._key("write"), self._key("proposal(1)"))
         elif running and calibration.frequency_test is test and test is not None:
             more = [
-                f"{_KEYS['mark']} it resonates   {_KEYS['mark_stall']} it stalls"
-                f"   {_KEYS['unmark']} take back a mark"
+                f"{self._key('mark')} it resonates   {self._key('mark_stall')} it stalls"
+                f"   {self._key('unmark')} take back a mark"
             ]
         self._proposal.show("\n".join(more))
 
