@@ -106,7 +106,7 @@ class ProgramError(UsageError):
         self.line = line
         self.file = file
         self.calls = tuple(calls)
-        super().__init__(_at(file, line, _called(file, self.calls), message))
+        super().__init__(placed(message, line, file, _called(file, self.calls)))
 
     @property
     def sentence(self) -> str:
@@ -125,7 +125,7 @@ class ProgramError(UsageError):
         *between, (_, line) = self.calls
         if self.file == file:
             return self.line, joined("", (self.message, _called(file, self.calls)))
-        return line, _at(self.file, self.line, _called(self.file, between), self.message)
+        return line, placed(self.message, self.line, self.file, _called(self.file, between))
 
 
 #: More calls within each other are not told one by one.
@@ -137,8 +137,15 @@ def _in_words(file: str, line: int) -> Phrase:
     return joined(", ", [part for part in (file, numbered) if part])
 
 
-def _at(file: str, line: int, called: str, message: str) -> str:
-    """A message with its place."""
+def placed(message: str, line: int, file: str = "", called: str = "") -> str:
+    """A message with its place.
+
+    Args:
+        message: what is said of the place.
+        line: line number, 1-based; 0 where no line applies.
+        file: name of the file; empty where it is known.
+        called: where the subroutine was called in which it stands.
+    """
     place = joined("", (_in_words(file, line), called))
     return joined(": ", (place, message)) if place else message
 

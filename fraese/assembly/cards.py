@@ -21,6 +21,7 @@ from fraese.motor.phases import (
     fault_of_table,
 )
 from fraese.motor.seams import Card
+from fraese.phrases import phrase
 
 
 def phase_table(name: str) -> bytes:
@@ -37,8 +38,12 @@ def phase_table(name: str) -> bytes:
         table = b""
     if not 2 <= len(table) <= 32 or any(byte > 0x3F for byte in table):
         raise ConfigError(
-            f"card.table: {name!r} is neither one of {', '.join(PHASE_TABLES)} nor 2 to 32 bytes"
-            " in hex, each 00 to 3F."
+            phrase(
+                "card.table: {name} is neither one of {phase_tables} nor 2 to 32 bytes in"
+                " hex, each 00 to 3F.",
+                name=repr(name),
+                phase_tables=", ".join(PHASE_TABLES),
+            )
         )
     return table
 
@@ -53,8 +58,13 @@ def checked_table(card: CardConfig) -> bytes:
     fault = fault_of_table(table, LEVEL_MAPS[card.levels])
     if fault:
         raise ConfigError(
-            f"card.table ({describe_table(table)}): {fault}, with card.levels {card.levels}; every"
-            " entry must turn the field the same way, once round."
+            phrase(
+                "card.table ({describe_table}): {fault}, with card.levels {levels}; every"
+                " entry must turn the field the same way, once round.",
+                describe_table=describe_table(table),
+                fault=fault,
+                levels=card.levels,
+            )
         )
     return table
 
@@ -80,8 +90,14 @@ def _stepdir_card(config: Config) -> Card:
         rate_hz = axis.max_rate_hz
         if rate_hz > profile.max_rate_hz:
             raise ConfigError(
-                f"axes.{name}.max_rate_hz: {rate_hz:g} is above the {profile.max_rate_hz} steps/s"
-                f" of card.profile {config.card.profile}."
+                phrase(
+                    "axes.{name}.max_rate_hz: {rate_hz:g} is above the {max_rate_hz} steps/s"
+                    " of card.profile {profile}.",
+                    name=name,
+                    rate_hz=rate_hz,
+                    max_rate_hz=profile.max_rate_hz,
+                    profile=config.card.profile,
+                )
             )
     return StepDirCard(
         profile=profile,

@@ -23,6 +23,7 @@ from fraese.errors import ConfigError
 from fraese.journal import Holder, Journal, MachineLock, machine_file
 from fraese.journal.files import open_plain, read_all
 from fraese.machine import Machine
+from fraese.phrases import phrase, reason
 
 #: Of versions before there was a journal; what it is called once it was taken up.
 OLD_FILE: Final = "state.json"
@@ -111,9 +112,12 @@ class Keeping:
             except ConfigError as error:
                 # A driver that is opened now would overwrite what knows the place.
                 raise ConfigError(
-                    f"{error} What made the steps knows the place since the last crash, and only"
-                    " there can it be kept: mend that first, or start with --fresh and reference"
-                    " the machine."
+                    phrase(
+                        "{error} What made the steps knows the place since the last crash,"
+                        " and only there can it be kept: mend that first, or start with"
+                        " --fresh and reference the machine.",
+                        error=error,
+                    )
                 ) from error
         return kept
 
@@ -134,7 +138,11 @@ class Keeping:
                 self._old.replace(self._old.with_name(TAKEN_UP))
         except OSError as error:
             raise ConfigError(
-                f"{self._old}: cannot be taken up: {error.strerror}; start with --fresh."
+                phrase(
+                    "{old}: cannot be taken up: {reason}; start with --fresh.",
+                    old=self._old,
+                    reason=reason(error),
+                )
             ) from error
         return kept.believed()
 

@@ -12,11 +12,14 @@ from fraese.assembly.trueaxis import TrueAxis, true_axes
 from fraese.config import Config
 from fraese.control.savedstate import SavedState
 from fraese.machine import Machine
+from fraese.phrases import phrase
 
-_OTHERWISE: Final = "The axes were configured otherwise before: the old position is forgotten."
-_ANOTHER: Final = (
-    "The old position is that of another machine, or of the simulated mill as it was otherwise:"
-    " it is forgotten, the work offsets are kept."
+_OTHERWISE: Final = phrase(
+    "The axes were configured otherwise before: the old position is forgotten."
+)
+_ANOTHER: Final = phrase(
+    "The old position is that of another machine, or of the simulated mill as it was"
+    " otherwise: it is forgotten, the work offsets are kept."
 )
 _ON: Final = " on "
 

@@ -13,6 +13,7 @@ from fraese.assembly.trueaxis import TrueAxis, true_axes
 from fraese.config import Config
 from fraese.config.axis import AxisConfig
 from fraese.motor.phases import FULL_STEPS_PER_REV, describe_table, steps_per_rev
+from fraese.phrases import joined, phrase
 
 
 def misfits(config: Config) -> tuple[str, ...]:
@@ -24,14 +25,18 @@ def misfits(config: Config) -> tuple[str, ...]:
     axes_by_text: dict[str, list[str]] = {}
     for name, text in (*_CARDS[config.card.kind](config), *_of_simulation(config)):
         axes_by_text.setdefault(text, []).append(name.upper())
-    return tuple(f"{', '.join(names)}: {text}." for text, names in axes_by_text.items())
+    return tuple(
+        joined("", (", ".join(names), ": ", text, ".")) for text, names in axes_by_text.items()
+    )
 
 
 def described(config: Config) -> str:
     """What the phase table is, a sentence; empty where there is none."""
     if config.card.kind != "smc1500":
         return ""
-    return f"card.table: {describe_table(checked_table(config.card))}."
+    return phrase(
+        "card.table: {describe_table}.", describe_table=describe_table(checked_table(config.card))
+    )
 
 
 def _of_table(config: Config) -> Iterator[tuple[str, str]]:
@@ -42,8 +47,11 @@ def _of_table(config: Config) -> Iterator[tuple[str, str]]:
         if all(axis.steps_per_rev % steps for steps in known):
             yield (
                 name,
-                f"steps_per_rev {axis.steps_per_rev} does not suit card.table"
-                f" ({describe_table(table)})",
+                phrase(
+                    "steps_per_rev {steps_per_rev} does not suit card.table ({describe_table})",
+                    steps_per_rev=axis.steps_per_rev,
+                    describe_table=describe_table(table),
+                ),
             )
 
 
@@ -68,32 +76,52 @@ def _of_simulation(config: Config) -> Iterator[tuple[str, str]]:
         if ratio != 1:
             yield (
                 true.name,
-                f"{true.with_unit(1)} becomes {true.with_unit(ratio)} on the"
-                " simulated mill"
-                f" ({', '.join(_differences(true, axis))}; see simulation.axes)",
+                phrase(
+                    "{with_unit} becomes {with_unit_2} on the simulated mill ({differences};"
+                    " see simulation.axes)",
+                    with_unit=true.with_unit(1),
+                    with_unit_2=true.with_unit(ratio),
+                    differences=joined(", ", _differences(true, axis)),
+                ),
             )
         if true.travel is not None and true.travel != axis.travel:
-            configured = "endless" if axis.travel is None else f"{float(axis.travel):g}"
+            configured = phrase("endless") if axis.travel is None else f"{float(axis.travel):g}"
             yield (
                 true.name,
-                f"travel_{axis.key_unit} {configured}, really {float(true.travel):g} on the"
-                " simulated mill (see simulation.axes)",
+                phrase(
+                    "travel_{key_unit} {configured}, really {travel:g} on the simulated mill"
+                    " (see simulation.axes)",
+                    key_unit=axis.key_unit,
+                    configured=configured,
+                    travel=float(true.travel),
+                ),
             )
         if config.card.kind != "stepdir" and config.simulation.own(true.name).microsteps:
             yield (
                 true.name,
-                "microsteps in simulation.axes has no effect: steps are made by card.table on"
-                f" {config.card.kind}",
+                phrase(
+                    "microsteps in simulation.axes has no effect: steps are made by"
+                    " card.table on {kind}",
+                    kind=config.card.kind,
+                ),
             )
         if axis.motor - 1 != true.socket:
             yield (
                 true.name,
-                f"its motor hangs on socket {true.socket + 1} of the simulated mill, not on"
-                f" {axis.motor}",
+                phrase(
+                    "its motor hangs on socket {socket} of the simulated mill, not on {motor}",
+                    socket=true.socket + 1,
+                    motor=axis.motor,
+                ),
             )
         too_much = list(_of_rates(true, axis))
         if too_much:
-            yield true.name, f"the simulated motor cannot follow: {', '.join(too_much)}"
+            yield (
+                true.name,
+                phrase(
+                    "the simulated motor cannot follow: {too_much}", too_much=joined(", ", too_much)
+                ),
+            )
 
 
 def _differences(true: TrueAxis, axis: AxisConfig) -> Iterator[str]:
@@ -104,11 +132,20 @@ def _differences(true: TrueAxis, axis: AxisConfig) -> Iterator[str]:
         ("gear", Fraction(axis.gear), true.gear),
     ):
         if configured != really:
-            yield f"{key} {float(configured):g}, really {float(really):g}"
+            yield phrase(
+                "{key} {configured:g}, really {really:g}",
+                key=key,
+                configured=float(configured),
+                really=float(really),
+            )
     if axis.inverted != (true.sign < 0):
-        yield f"inverted {str(axis.inverted).lower()}, really {str(true.sign < 0).lower()}"
+        yield phrase(
+            "inverted {inverted}, really {what}",
+            inverted=str(axis.inverted).lower(),
+            what=str(true.sign < 0).lower(),
+        )
     if true.sense < 0:
-        yield "card.table turns backwards"
+        yield phrase("card.table turns backwards")
 
 
 def _of_rates(true: TrueAxis, axis: AxisConfig) -> Iterator[str]:
@@ -120,4 +157,10 @@ def _of_rates(true: TrueAxis, axis: AxisConfig) -> Iterator[str]:
     ):
         turns = float(rate / true.steps_per_rev)
         if turns > follows:
-            yield f"{key} {rate:g} is {turns:g} in turns, it follows {follows:g}"
+            yield phrase(
+                "{key} {rate:g} is {turns:g} in turns, it follows {follows:g}",
+                key=key,
+                rate=rate,
+                turns=turns,
+                follows=follows,
+            )

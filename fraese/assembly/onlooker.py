@@ -16,29 +16,37 @@ from fraese.control.onlooker import Seen
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.rotor import Hindrance
 from fraese.motor.seams import End
+from fraese.phrases import joined, phrase
 
 
 def _limits(axis: TrueAxis) -> str:
     motor = axis.motor
-    return (
-        f"its motor starts and stops at {motor.start_turns_s:g} turns/s and changes its rate by"
-        f" {motor.acceleration_turns_s2:g} turns/s in a second"
+    return phrase(
+        "its motor starts and stops at {start_turns_s:g} turns/s and changes its rate by"
+        " {acceleration_turns_s2:g} turns/s in a second",
+        start_turns_s=motor.start_turns_s,
+        acceleration_turns_s2=motor.acceleration_turns_s2,
     )
 
 
 def _bands(axis: TrueAxis) -> str:
     bands = axis.motor.resonances_turns_s
-    return ", ".join(f"{low:g} to {high:g}" for low, high in bands)
+    return joined(", ", (phrase("{low:g} to {high:g}", low=low, high=high) for low, high in bands))
 
 
 #: Why steps were lost, half a sentence.
 _WHY: Final[Mapping[Hindrance, Callable[[TrueAxis], str]]] = {
-    Hindrance.TOO_FAST: lambda axis: (
-        f"too fast: its motor follows up to {axis.motor.max_turns_s:g} turns/s"
+    Hindrance.TOO_FAST: lambda axis: phrase(
+        "too fast: its motor follows up to {max_turns_s:g} turns/s",
+        max_turns_s=axis.motor.max_turns_s,
     ),
-    Hindrance.TOO_STEEP: lambda axis: f"too steep: {_limits(axis)}",
-    Hindrance.RESONANCE: lambda axis: f"resonance: its motor cannot stay at {_bands(axis)} turns/s",
-    Hindrance.STOPPED_DEAD: lambda axis: f"stopped too suddenly: {_limits(axis)}",
+    Hindrance.TOO_STEEP: lambda axis: phrase("too steep: {limits}", limits=_limits(axis)),
+    Hindrance.RESONANCE: lambda axis: phrase(
+        "resonance: its motor cannot stay at {bands} turns/s", bands=_bands(axis)
+    ),
+    Hindrance.STOPPED_DEAD: lambda axis: phrase(
+        "stopped too suddenly: {limits}", limits=_limits(axis)
+    ),
 }
 
 

@@ -32,6 +32,7 @@ from fraese.motor.awake import Awake
 from fraese.motor.bridge.ledger import TOKEN_BYTES
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import Clock
+from fraese.phrases import phrase
 
 _NOBODY: Final = Recorder()
 #: A run loop that looks at its driver so often is late by no more than this.
@@ -78,7 +79,7 @@ class Plant:
     @property
     def machine_name(self) -> str:
         """What is driven, for the title."""
-        return "simulated mill" if self.is_simulated else self.config.port.kind
+        return phrase("simulated mill") if self.is_simulated else self.config.port.kind
 
     def press(self, end_name: str, pressed: bool) -> None:
         """Press an end switch of a simulated mill by hand, or let it go, by its name (xmin)."""
@@ -159,12 +160,17 @@ def _what_is_kept(
 ) -> _Kept:
     if folder is None:
         return _Kept(None, None, [], at_desk)
-    keeping, notes = Keeping(folder, config, machine), []
+    keeping, notes = Keeping(folder, config, machine), list[str]()
     holder = keeping.holder() if at_desk else None
     if not at_desk:
         keeping.take_lock()
     elif holder is not None:
-        notes.append(f"The machine is driven by {holder.in_words()} now; this is its last record.")
+        notes.append(
+            phrase(
+                "The machine is driven by {in_words} now; this is its last record.",
+                in_words=holder.in_words(),
+            )
+        )
     with closed_on_failure(keeping):
         state = None
         if fresh:

@@ -36,13 +36,14 @@ from fraese.motor.bridge.ledger import (
 from fraese.motor.clock import MonotonicClock
 from fraese.motor.realtime import lastwords
 from fraese.motor.realtime.lastwords import LastWords
+from fraese.phrases import phrase
 
 if TYPE_CHECKING:
     from fraese.motor.realtime.setup import WordsTo
 
-KNOWN: Final = (
-    "The last program ended while the machine moved; what made the steps lived on, and the place is"
-    " known to the step."
+KNOWN: Final = phrase(
+    "The last program ended while the machine moved; what made the steps lived on, and"
+    " the place is known to the step."
 )
 
 

@@ -33,6 +33,7 @@ from fraese.motor.pins import CONTROL_PINS, levels
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.ports.traced import TracedPort
 from fraese.motor.seams import Card, Clock, StepDriver
+from fraese.phrases import phrase
 
 #: So many of the latest accesses are kept.
 _KEPT: Final = 4000
@@ -171,11 +172,15 @@ class Workbench:
         card = self._card
         if card is None or name not in self.tables:
             raise StateError(
-                "Another phase table is chosen by card.table in the configuration, and counts from"
-                " the next start."
+                phrase(
+                    "Another phase table is chosen by card.table in the configuration, and"
+                    " counts from the next start."
+                )
             )
         if self._controller.status is Status.RUN:
-            raise StateError("The machine runs: another phase table is chosen at standstill.")
+            raise StateError(
+                phrase("The machine runs: another phase table is chosen at standstill.")
+            )
         table, before = phase_table(name), card.table
         card.set_phases_of(table, [self._nearest(table, before[p]) for p in card.phases()])
         self._table_name = name

@@ -31,6 +31,7 @@ from fraese.cli.shared import ConfigOption, Drive, FreshOption, StateOption, Tra
 from fraese.config.edit import FileWriter
 from fraese.control.asleft import left_by_crash
 from fraese.errors import FraeseError, UsageError
+from fraese.phrases import phrase
 from fraese.program import ByHand, Resumption, open_program
 from fraese.program.kept import KeptPrograms
 from fraese.program.recent import RecentPrograms
@@ -87,7 +88,7 @@ def start(
     def go() -> int:
         if not sys.stdin.isatty() or not sys.stdout.isatty():
             raise UsageError(
-                "The app needs a terminal; without one use a command, see fraese --help."
+                phrase("The app needs a terminal; without one use a command, see fraese --help.")
             )
         on = Drive(config=config, state=state, fresh=fresh, trace=trace)
         plant = on.plant("paced")

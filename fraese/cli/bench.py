@@ -19,6 +19,7 @@ from fraese.cli.shared import (
     leave,
 )
 from fraese.errors import PortError, UsageError
+from fraese.phrases import phrase
 from fraese.x4step import X4Init, X4NoErr, X4ReInit
 from fraese.x4step.bench import Bench, Console
 from fraese.x4step.codes import PORTS
@@ -51,13 +52,15 @@ def _bench(
     lpt: str, file: Path | None, real_time: bool, trace: Path | None, keys: str | None
 ) -> int:
     if lpt not in map(str, PORTS):
-        raise UsageError(f'"{lpt}" is no parallel port: it is 1 to 4, as in fraese bench 2.')
+        raise UsageError(
+            phrase('"{lpt}" is no parallel port: it is 1 to 4, as in fraese bench 2.', lpt=lpt)
+        )
     config = language.load(file)
     wanted = wanted_keys(config.x4step, keys)
     console, keyboard, clock = _spoken_with(wanted, real_time)
     with in_place(around(config, keyboard, clock, trace=trace)):
         if X4Init(int(lpt)) is not X4NoErr:
-            raise PortError(f"LPT{lpt} cannot be used.")
+            raise PortError(phrase("LPT{lpt} cannot be used.", lpt=lpt))
         try:
             Bench(console).run()
         finally:

@@ -35,6 +35,7 @@ from fraese.motor.clock import MonotonicClock
 from fraese.motor.pins import STATUS_PINS, levels
 from fraese.motor.seams import Card, IdleLevel, StepDriver
 from fraese.motor.waveform import Waveform
+from fraese.phrases import phrase
 
 app = typer.Typer()
 bridge_app = typer.Typer(help="The microcontroller on a serial port.", no_args_is_help=True)
@@ -57,7 +58,12 @@ MoveOption = Annotated[
 _DAMAGED_FRAMES: Final = 16
 #: A slower answer than this means that something is wrong with the line.
 _SLOW_S: Final = 0.05
-_RESET_REASONS: Final = {1: "power on", 2: "reset pin", 4: "brown-out", 8: "watchdog"}
+_RESET_REASONS: Final = {
+    1: phrase("power on"),
+    2: phrase("reset pin"),
+    4: "brown-out",
+    8: "watchdog",
+}
 _BLOCK_S: Final = 0.004
 
 
@@ -149,7 +155,7 @@ def try_out(
 
     def go() -> int:
         if trace and not move:
-            raise UsageError("--trace draws what --move moves: say --move STEPS too.")
+            raise UsageError(phrase("--trace draws what --move moves: say --move STEPS too."))
         place = _place(language.load(config), device, baud)
         checks = []
         for check in _checks(place, move, trace):
@@ -175,7 +181,14 @@ def _checks(place: Place, move_steps: int, trace: Path | None) -> Iterator[Check
     ):
         hello = driver.session.hello
         yield Check(
-            "greeting", True, f"{hello.board}, firmware {hello.firmware[0]}.{hello.firmware[1]}"
+            "greeting",
+            True,
+            phrase(
+                "{board}, firmware {firmware}.{firmware_2}",
+                board=hello.board,
+                firmware=hello.firmware[0],
+                firmware_2=hello.firmware[1],
+            ),
         )
         for check in (_answers, _damage, _inputs, partial(_queue, motors=card.motors)):
             yield check(driver)
@@ -188,7 +201,11 @@ def _checks(place: Place, move_steps: int, trace: Path | None) -> Iterator[Check
 def _answers(driver: BridgeDriver) -> Check:
     trips_s = round_trips_s(driver.session)
     median_s, slowest_s = statistics.median(trips_s), max(trips_s)
-    seen = f"median {median_s * 1000:.1f} ms, slowest {slowest_s * 1000:.1f} ms"
+    seen = phrase(
+        "median {median_s:.1f} ms, slowest {slowest_s:.1f} ms",
+        median_s=median_s * 1000,
+        slowest_s=slowest_s * 1000,
+    )
     return Check("answers", slowest_s < _SLOW_S, seen)
 
 
@@ -206,7 +223,12 @@ def _damage(driver: BridgeDriver) -> Check:
     after = session.ask()
     noticed = (after.line_errors - before.line_errors) & 0xFF
     counted = (after.ack.next_seq - before.ack.next_seq) & 0xFF
-    seen = f"{_DAMAGED_FRAMES} damaged frames sent, {noticed} noticed, {counted} taken"
+    seen = phrase(
+        "{damaged_frames} damaged frames sent, {noticed} noticed, {counted} taken",
+        damaged_frames=_DAMAGED_FRAMES,
+        noticed=noticed,
+        counted=counted,
+    )
     return Check("damage", noticed == _DAMAGED_FRAMES and not counted, seen)
 
 
@@ -215,7 +237,9 @@ def _inputs(driver: BridgeDriver) -> Check:
     pins = ", ".join(
         f"{pin} {'high' if high else 'low'}" for pin, high in levels(register, STATUS_PINS).items()
     )
-    return Check("inputs", True, f"register {register:02X}; pins {pins}")
+    return Check(
+        "inputs", True, phrase("register {register:02X}; pins {pins}", register=register, pins=pins)
+    )
 
 
 def _queue(driver: BridgeDriver, motors: int) -> Check:
@@ -227,7 +251,12 @@ def _queue(driver: BridgeDriver, motors: int) -> Check:
     stored = session.ask().last
     driver.flush()
     dropped = driver.poll(0)
-    seen = f"{stored} blocks of {_BLOCK_S * 1000:g} ms stored, {stored * _BLOCK_S * 1000:.0f} ms"
+    seen = phrase(
+        "{stored} blocks of {block_s:g} ms stored, {stored_2:.0f} ms",
+        stored=stored,
+        block_s=_BLOCK_S * 1000,
+        stored_2=stored * _BLOCK_S * 1000,
+    )
     return Check("queue", stored > 0 and not dropped.queued and not dropped.running, seen)
 
 
@@ -269,6 +298,8 @@ def _moves(driver: StepDriver, config: Config, steps: int) -> Iterator[Check]:
             pass
         made = report.travelled_steps[motor] - before
         yield Check(
-            f"motor {name.upper()}", made == 2 * steps, f"{made} steps made, {report.ended.value}"
+            phrase("motor {name}", name=name.upper()),
+            made == 2 * steps,
+            phrase("{made} steps made, {value}", made=made, value=report.ended.value),
         )
     driver.idle(IdleLevel.OFF)

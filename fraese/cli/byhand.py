@@ -9,9 +9,10 @@ from typing import Final
 from fraese.axiswords import axes_named, axis_words, target
 from fraese.control.controller import Controller
 from fraese.errors import UsageError
+from fraese.phrases import phrase
 
 #: Shown behind a question.
-HINT: Final = "Enter: go on; by hand: jog Z -1, move X10 Y5, zero Z, lift"
+HINT: Final = phrase("Enter: go on; by hand: jog Z -1, move X10 Y5, zero Z, lift")
 
 
 def by_hand(controller: Controller, line: str) -> None:
@@ -24,14 +25,16 @@ def by_hand(controller: Controller, line: str) -> None:
     word, _, rest = line.strip().partition(" ")
     command = _COMMANDS.get(word.lower())
     if command is None:
-        raise UsageError(f'"{word}" is none of jog, move, zero and lift; Enter goes on.')
+        raise UsageError(
+            phrase('"{word}" is none of jog, move, zero and lift; Enter goes on.', word=word)
+        )
     command(controller, rest)
 
 
 def _jog(controller: Controller, rest: str) -> None:
     words = axis_words(rest, controller.machine.names)
     if len(words) > 1:
-        raise UsageError("A jog is one axis and a distance, such as jog Z -1.")
+        raise UsageError(phrase("A jog is one axis and a distance, such as jog Z -1."))
     for name, distance_mm in words.items():
         controller.jog(name, distance_mm)
 
@@ -44,7 +47,7 @@ def _move(controller: Controller, rest: str) -> None:
 def _zero(controller: Controller, rest: str) -> None:
     names = axes_named(rest.split(), controller.machine.names)
     if not names:
-        raise UsageError("Say which axis is to be zero here, such as zero Z.")
+        raise UsageError(phrase("Say which axis is to be zero here, such as zero Z."))
     controller.set_zero(names)
 
 

@@ -19,6 +19,7 @@ from fraese.control.calibration.sweep import Stage, Wish
 from fraese.control.calibration.travel import TravelTest
 from fraese.control.controller import Controller
 from fraese.errors import UsageError
+from fraese.phrases import phrase
 
 _STAGES: Final[Mapping[str, Stage]] = {stage.name.lower(): stage for stage in Stage}
 _BAR_CHARACTERS: Final = 30
@@ -64,7 +65,7 @@ class _Found:
             if not self._on.as_json:
                 note(proposal.why)
                 for change in proposal.changes:
-                    note(f"  {change.words()}")
+                    note("  " + change.words())
             if self._write and proposal.changes:
                 path = file_to_write(self._on.config)
                 set_keys(path, proposal.values())
@@ -85,16 +86,16 @@ class _Found:
         if proposal is None:
             return self.after
         if not proposal.changes:
-            return "The configuration is right as it is."
+            return phrase("The configuration is right as it is.")
         if written:
-            return f"Written to {written}; it counts from the next start."
-        return "Nothing is written; --write does that."
+            return phrase("Written to {written}; it counts from the next start.", written=written)
+        return phrase("Nothing is written; --write does that.")
 
 
 def _axis(controller: Controller, word: str) -> str:
     names = axes_named([word], controller.machine.names)
     if len(names) != 1:
-        raise UsageError(f'"{word}": one axis, as in X.')
+        raise UsageError(phrase('"{word}": one axis, as in X.', word=word))
     return names[0]
 
 
@@ -142,9 +143,11 @@ def steps(
         if measured is None:
             test.start(way)
             found.facts = lambda: {"commanded_mm": test.commanded_mm}
-            found.after = (
-                f"Measure how far it went, then: fraese calibrate steps {name.upper()} {way:g}"
-                " --measured MM."
+            found.after = phrase(
+                "Measure how far it went, then: fraese calibrate steps {name} {way:g}"
+                " --measured MM.",
+                name=name.upper(),
+                way=way,
             )
             return
         size = test.measured(way, measured)
@@ -184,8 +187,9 @@ def backlash(
             test.read(read)
         elif gauge:
             test.start_by_gauge()
-            found.after = (
-                f"Read the gauge, then: fraese calibrate backlash {name.upper()} --read MM."
+            found.after = phrase(
+                "Read the gauge, then: fraese calibrate backlash {name} --read MM.",
+                name=name.upper(),
             )
         else:
             test.start_by_switch(times)
@@ -259,9 +263,17 @@ def frequency(
         found.proposal = test.proposal
         wish = Wish(low, high, step)
         if stage is None and wish != Wish():
-            raise UsageError("--from, --to and --step are of one stage: name it with --stage.")
+            raise UsageError(
+                phrase("--from, --to and --step are of one stage: name it with --stage.")
+            )
         if stage is not None and stage not in _STAGES:
-            raise UsageError(f'"{stage}" is no stage: it is one of {", ".join(_STAGES)}.')
+            raise UsageError(
+                phrase(
+                    '"{stage}" is no stage: it is one of {stages}.',
+                    stage=stage,
+                    stages=", ".join(_STAGES),
+                )
+            )
         test.start([_STAGES[stage]] if stage else tuple(Stage), wish)
 
     on.do(action, more=found.tell)

@@ -13,6 +13,7 @@ from fraese.cli.histogram import histogram
 from fraese.cli.output import note, say
 from fraese.cli.shared import ConfigOption, JsonOption, leave
 from fraese.errors import UsageError
+from fraese.phrases import phrase
 
 if TYPE_CHECKING:
     from fraese.doctor import Diagnosis
@@ -50,10 +51,17 @@ def doctor(
 
     def go() -> int:
         if not _LEAST_S <= seconds <= _MOST_S:
-            raise UsageError(f"--seconds {seconds:g}: from {_LEAST_S:g} to {_MOST_S:g} s.")
+            raise UsageError(
+                phrase(
+                    "--seconds {seconds:g}: from {least_s:g} to {most_s:g} s.",
+                    seconds=seconds,
+                    least_s=_LEAST_S,
+                    most_s=_MOST_S,
+                )
+            )
         loaded = language.load(config)
         if sys.platform != "linux":
-            raise UsageError("doctor looks at a Linux kernel, and here is none.")
+            raise UsageError(phrase("doctor looks at a Linux kernel, and here is none."))
         # Only there: what it measures with exists on Linux only.
         from fraese.doctor import examine
 
@@ -96,7 +104,11 @@ def _finding(finding: "Finding") -> list[str]:
 
 def _table(timing: "Timing") -> list[str]:
     duty = timing.duty
-    title = f"{duty.rate_hz:g} ticks/s on {duty.motors} axes, late by (us)"
+    title = phrase(
+        "{rate_hz:g} ticks/s on {motors} axes, late by (us)",
+        rate_hz=duty.rate_hz,
+        motors=duty.motors,
+    )
     names = ("median", "p99", "p99.9", "longest", "> 1/4", "of")
     lines = [f"{title:<44}" + "".join(f"{name:>9}" for name in names)]
     for run in timing.runs:
@@ -136,8 +148,17 @@ def _summary(diagnosis: "Diagnosis") -> str:
     states = [finding.state.value for finding in diagnosis.findings]
     bad, warnings = states.count("bad"), states.count("warn")
     if bad:
-        return f"{bad} of {len(states)} findings are bad, {warnings} are warnings."
-    return f"Nothing is bad; {warnings or 'no'} of {len(states)} findings are warnings."
+        return phrase(
+            "{bad} of {count} findings are bad, {warnings} are warnings.",
+            bad=bad,
+            count=len(states),
+            warnings=warnings,
+        )
+    return phrase(
+        "Nothing is bad; {warnings} of {count} findings are warnings.",
+        warnings=warnings or phrase("no"),
+        count=len(states),
+    )
 
 
 # --- for programs --------------------------------------------------------------------------------

@@ -11,9 +11,10 @@ from fraese.cli import appkeys, language
 from fraese.cli.output import note, say, write
 from fraese.cli.shared import ConfigOption, FileArgument, StartingPlace, leave, with_options
 from fraese.config import file as configuration
-from fraese.errors import ProgramError, UsageError
+from fraese.errors import ProgramError, UsageError, placed
 from fraese.gcode.jsonl import as_dict
 from fraese.machine import Machine, three_decimals
+from fraese.phrases import joined, phrase
 from fraese.program.check import Facts, check_program
 from fraese.program.context import ProgramContext
 from fraese.program.source import ProgramSource
@@ -82,17 +83,28 @@ def _print_facts(file: Path, facts: Facts, machine: Machine) -> None:
     for error in facts.errors:
         note(str(ProgramError(error.message, error.line, str(file))))
     for warning in facts.warnings:
-        note(f"{file}, {warning}")
+        note(joined(", ", (str(file), warning)))
     for told in facts.notes:
-        note(f"{file}, line {told.line}: {told.message}")
+        note(placed(told.message, told.line, str(file)))
     if facts.low_mm is not None and facts.high_mm is not None:
         for axis, low, high in zip(machine.axes, facts.low_mm, facts.high_mm, strict=True):
-            reach = axis.with_unit(f"{three_decimals(low):>10} to {three_decimals(high):>10}")
-            say(f"{axis.name.upper()} {reach} (machine)")
+            reach = axis.with_unit(
+                phrase(
+                    "{low:>10} to {high:>10}", low=three_decimals(low), high=three_decimals(high)
+                )
+            )
+            say(phrase("{name} {reach} (machine)", name=axis.name.upper(), reach=reach))
     minutes, seconds = divmod(facts.duration_s, 60)
     say(
-        f"{facts.lines} lines, {facts.blocks} blocks, {facts.length_mm:.1f} mm,"
-        f" {minutes:.0f} min {seconds:04.1f} s"
+        phrase(
+            "{lines} lines, {blocks} blocks, {length_mm:.1f} mm, {minutes:.0f} min"
+            " {seconds:04.1f} s",
+            lines=facts.lines,
+            blocks=facts.blocks,
+            length_mm=facts.length_mm,
+            minutes=minutes,
+            seconds=seconds,
+        )
     )
     say("ok" if facts.ok else "refused")
 
@@ -136,7 +148,11 @@ def config_check(config: ConfigOption = None) -> None:
         if described(settings):
             note(described(settings))
         found = configuration.find_file(config)
-        say(f"{found}: ok" if found else "No configuration file: built-in defaults. ok")
+        say(
+            phrase("{found}: ok", found=found)
+            if found
+            else phrase("No configuration file: built-in defaults. ok")
+        )
         return 0
 
     leave(go)

@@ -12,7 +12,7 @@ import typer
 
 from fraese.config import file as configuration
 from fraese.config.config import Config
-from fraese.phrases import LANGUAGE_VARIABLE, LANGUAGES, speak, wanted_language
+from fraese.phrases import LANGUAGE_VARIABLE, LANGUAGES, phrase, speak, wanted_language
 
 
 def as_the_system() -> None:
@@ -34,7 +34,13 @@ def load(named: Path | None) -> Config:
 def _said(language: str | None) -> str | None:
     if language is not None:
         if language not in LANGUAGES:
-            raise typer.BadParameter(f"{language} is none of {', '.join(LANGUAGES)}.")
+            raise typer.BadParameter(
+                phrase(
+                    "{language} is none of {languages}.",
+                    language=language,
+                    languages=", ".join(LANGUAGES),
+                )
+            )
         os.environ[LANGUAGE_VARIABLE] = language
         as_the_system()
     return language

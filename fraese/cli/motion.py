@@ -20,6 +20,7 @@ from fraese.cli.shared import (
 from fraese.control.asleft import take_as_left
 from fraese.control.controller import Controller
 from fraese.errors import Cancelled, UsageError
+from fraese.phrases import phrase
 from fraese.program import Resumption, open_program
 from fraese.program.context import ProgramContext
 from fraese.program.interrupted import cut_short
@@ -58,7 +59,12 @@ def run(
         program.start(controller, facts, from_line=from_line)
         if not all(context.referenced):
             percent = context.config.run.unreferenced_percent
-            note(f"The machine is not referenced: running at {percent:g} % of its rates.")
+            note(
+                phrase(
+                    "The machine is not referenced: running at {percent:g} % of its rates.",
+                    percent=percent,
+                )
+            )
 
     on.do(action)
 
@@ -91,10 +97,10 @@ def _announce(way: list[str], yes: bool) -> None:
         return
     if not sys.stdin.isatty():
         raise UsageError(
-            "A start in the middle asks before it moves; without a terminal add --yes."
+            phrase("A start in the middle asks before it moves; without a terminal add --yes.")
         )
     if not typer.confirm("Go?", err=True):
-        raise Cancelled("Not started; nothing has moved.")
+        raise Cancelled(phrase("Not started; nothing has moved."))
 
 
 @app.command(context_settings=VALUES)
@@ -112,9 +118,9 @@ def move(
     def action(controller: Controller) -> None:
         there = target(" ".join(words), controller.machine.names)
         if feed is not None and not feed > 0:
-            raise UsageError(f"--feed {feed:g}: a feed is above 0 mm/min.")
+            raise UsageError(phrase("--feed {feed:g}: a feed is above 0 mm/min.", feed=feed))
         if feed is not None and there.feed_mm_min is not None:
-            raise UsageError("The feed is given twice: either --feed or F.")
+            raise UsageError(phrase("The feed is given twice: either --feed or F."))
         controller.move_to(
             there.targets_mm,
             relative=relative,
@@ -140,7 +146,13 @@ def jog(
     def action(controller: Controller) -> None:
         words = axis_words(f"{axis} {distance}", controller.machine.names)
         if len(words) > 1:
-            raise UsageError(f'"{axis} {distance}": a jog is of one axis, as in jog X 1.5.')
+            raise UsageError(
+                phrase(
+                    '"{axis} {distance}": a jog is of one axis, as in jog X 1.5.',
+                    axis=axis,
+                    distance=distance,
+                )
+            )
         for name, distance_mm in words.items():
             controller.jog(name, distance_mm)
 

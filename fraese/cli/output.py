@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple, TextIO
 
 from fraese.errors import OutputError
-from fraese.phrases import shown
+from fraese.phrases import phrase, reason, shown
 from fraese.plaintext import plain, plain_lines
 
 #: More than this waits only if it is a result; what is noted after it is counted and left out.
@@ -101,7 +101,10 @@ class Outlet:
                 text = self._waiting.popleft().text
                 self._characters -= len(text)
                 if not self._waiting and self._left_out:
-                    text += f"({self._left_out} lines are left out here: nobody read them.)\n"
+                    text += phrase(
+                        "({left_out} lines are left out here: nobody read them.)\n",
+                        left_out=self._left_out,
+                    )
                     self._left_out = 0
                 self._writing = True
             try:
@@ -225,7 +228,9 @@ def _told_of() -> Iterator[None]:
         raise
     except OSError as error:
         _give_up_output()
-        raise OutputError(f"Standard output cannot be written: {error.strerror}.") from error
+        raise OutputError(
+            phrase("Standard output cannot be written: {reason}.", reason=reason(error))
+        ) from error
 
 
 def _give_up_output() -> None:
@@ -250,7 +255,7 @@ def result(text: str, hurries: Callable[[], bool] = lambda: False) -> None:
     _wait_for(outlet, hurries)
     failure = outlet.failure
     if failure is not None and not isinstance(failure, BrokenPipeError):
-        note(f"fraese: the result cannot be written: {failure.strerror}.")
+        note(phrase("fraese: the result cannot be written: {reason}.", reason=reason(failure)))
     settle(hurries)
 
 

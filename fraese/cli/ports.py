@@ -9,6 +9,7 @@ import typer
 from fraese.cli.output import say
 from fraese.cli.shared import JsonOption, leave
 from fraese.motor.bridge.line import SerialPort, serial_ports
+from fraese.phrases import phrase
 
 app = typer.Typer()
 
@@ -27,9 +28,9 @@ def ports(as_json: JsonOption = False) -> None:
         for port in serial:
             say(_in_words(port))
         for device in parallel:
-            say(f"{device}  parallel port")
+            say(phrase("{device}  parallel port", device=device))
         if not serial and not parallel:
-            say("no serial or parallel port")
+            say(phrase("no serial or parallel port"))
         return 0
 
     leave(go, as_json)
@@ -54,5 +55,9 @@ def _as_dict(port: SerialPort) -> dict[str, object]:
 
 
 def _in_words(port: SerialPort) -> str:
-    likely = f"{port.maker}, may carry the bridge" if port.maker else "serial port"
+    likely = (
+        phrase("{maker}, may carry the bridge", maker=port.maker)
+        if port.maker
+        else phrase("serial port")
+    )
     return "  ".join(part for part in (port.device, likely, _ids(port), port.description) if part)

@@ -12,6 +12,7 @@ from fraese.cli import language
 from fraese.cli.output import tell
 from fraese.cli.shared import ConfigOption, KeysOption, leave
 from fraese.errors import StateError
+from fraese.phrases import phrase
 from fraese.x4step.codes import ESC_CODE
 from fraese.x4step.decoder import Decoder, Stroke
 from fraese.x4step.keyboard import BREAK, MAKE_CODES
@@ -35,8 +36,10 @@ def scancodes(config: ConfigOption = None, keys: KeysOption = None) -> None:
         wanted = wanted_keys(language.load(config).x4step, keys)
         if sys.stdin.isatty() and not can_read_keys():
             raise StateError(
-                "The keys of a terminal cannot be read on this system; those of a file can, as in"
-                " fraese scancodes < FILE."
+                phrase(
+                    "The keys of a terminal cannot be read on this system; those of a file"
+                    " can, as in fraese scancodes < FILE."
+                )
             )
         source = program_keys(wanted)
         strokes = _of_file(wanted.layout) if isinstance(source, NoKeys) else _of_keys(source)
@@ -68,7 +71,7 @@ def _of_keys(source: ToldKeys) -> Iterator[Stroke]:
         while not first and time.monotonic() < until_s:
             time.sleep(_LOOK_S)
             first = source.strokes()
-        tell(f"Keys come from {source.said}. ESC twice ends.")
+        tell(phrase("Keys come from {said}. ESC twice ends.", said=source.said))
         yield from first
         while True:
             yield from source.strokes()
@@ -87,8 +90,15 @@ def _taken(source: ToldKeys) -> Iterator[None]:
 def _said(stroke: Stroke) -> str:
     key, phase = stroke
     if not key.code:
-        return f"{key.text!r}: lies nowhere on this keyboard; see x4step.keyboard"
-    line = f"{_NAMES[key.code]:10} make {key.code:3d}  break {key.code + BREAK:3d}"
+        return phrase(
+            "{text}: lies nowhere on this keyboard; see x4step.keyboard", text=repr(key.text)
+        )
+    line = phrase(
+        "{names:10} make {code:3d}  break {code_2:3d}",
+        names=_NAMES[key.code],
+        code=key.code,
+        code_2=key.code + BREAK,
+    )
     return line if phase == "typed" else f"{line}  {_WORDS[phase]}"
 
 

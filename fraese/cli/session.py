@@ -26,13 +26,18 @@ from fraese.control.position import Position
 from fraese.control.state import MachineState, Status, three_decimals
 from fraese.control.switchtest import SwitchTest
 from fraese.errors import Alarm, Cancelled, FraeseError
-from fraese.phrases import phrase
+from fraese.phrases import joined, phrase
 from fraese.signalwatch import watched
 
 #: What else belongs to a result.
 More = Callable[[], Mapping[str, Any]]
 
 _STATUS_WORDS: Final = {Status.OK: "done", Status.CANCEL: "cancelled", Status.ERROR: "alarm"}
+_SAID: Final = {
+    Status.OK: phrase("done"),
+    Status.CANCEL: phrase("cancelled"),
+    Status.ERROR: phrase("alarm"),
+}
 _EXIT_CODES: Final = {Status.OK: 0, Status.ERROR: 1, Status.CANCEL: Cancelled.exit_code}
 _PROGRESS_EVERY_S: Final = 0.1
 _LOOK_EVERY_S: Final = 0.05
@@ -143,7 +148,9 @@ class Session:
             note(_with_advice(state.alarm))
         where = self._controller.machine.in_words(state.work_mm)
         in_force = state.work.words()
-        sentence = f"{word}: {where}" + (f" ({in_force})" if in_force else "")
+        sentence = joined(
+            "", (_SAID[status], ": ", where, *((" (", in_force, ")") if in_force else ()))
+        )
         result(sentence, self._hurries.is_set)
 
     def _result(self, word: str, state: MachineState) -> dict[str, Any]:
@@ -211,7 +218,11 @@ class Session:
             f"{name.upper()}{three_decimals(mm):>9}"
             for name, mm in zip(state.axes, state.work_mm, strict=True)
         )
-        line = f"line {job.line}/{job.lines}  " if job and job.lines else ""
+        line = (
+            phrase("line {line}/{lines}  ", line=job.line, lines=job.lines)
+            if job and job.lines
+            else ""
+        )
         elapsed = f"{job.elapsed_s:8.1f} s" if job else ""
         # A line that wraps could not be wiped any more.
         width = shutil.get_terminal_size().columns - 1
@@ -239,7 +250,9 @@ class Session:
             self._asked = question
             self._end_progress()
             note(
-                f"{question} [{HINT}] " if at_terminal else f"{question} (no terminal: going on)",
+                joined("", (question, " [", HINT, "] "))
+                if at_terminal
+                else phrase("{question} (no terminal: going on)", question=question),
                 end="" if at_terminal else "\n",
             )
         if at_terminal and not _line_waits():
@@ -276,7 +289,7 @@ def watch_switches(controller: Controller, *, as_json: bool) -> int:
         return _look_once(controller, as_json=as_json)
     axes = [axis.name for axis in controller.machine.axes if axis.has_switches]
     if not axes:
-        say("This machine has no end switches.")
+        say(phrase("This machine has no end switches."))
         return 0
     test = SwitchTest(axes)
     shown = ""
@@ -286,10 +299,10 @@ def watch_switches(controller: Controller, *, as_json: bool) -> int:
         controller.idle(time.monotonic() - since_s)
         seen = test.look(controller.state().switch_closed)
         if seen:
-            tell(f"{seen} seen", over=True)
+            tell(phrase("{seen} seen", seen=seen), over=True)
         if test.sentence() != shown:
             shown = test.sentence()
-            tell(f"{shown} ", end="", over=True)
+            tell(shown + " ", end="", over=True)
     tell(test.sentence(), over=True)
     return 0
 
@@ -307,7 +320,13 @@ def _look_once(controller: Controller, *, as_json: bool) -> int:
         say(json.dumps(values))
     else:
         pins = " ".join(f"{pin}:{'high' if high else 'low'}" for pin, high in state.inputs.items())
-        say(f"end switches {'closed' if state.switch_closed else 'open'}; pins {pins}")
+        say(
+            phrase(
+                "end switches {word}; pins {pins}",
+                word=phrase("closed") if state.switch_closed else phrase("open"),
+                pins=pins,
+            )
+        )
     return 0
 
 

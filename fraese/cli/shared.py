@@ -31,6 +31,7 @@ from fraese.cli.session import More, Session, refuse
 from fraese.control.controller import Controller
 from fraese.errors import Cancelled, FraeseError, OutputError
 from fraese.log import write
+from fraese.phrases import phrase
 
 ConfigOption = Annotated[
     Path | None,
@@ -72,7 +73,7 @@ FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Program or c
 VALUES: Final = {"ignore_unknown_options": True}
 
 #: What is said of Ctrl-C by a command that moves something without a job.
-MOTORS_OFF: Final = "Cancelled; the motors are off."
+MOTORS_OFF: Final = phrase("Cancelled; the motors are off.")
 _BY_NAME: Final = inspect.Parameter.KEYWORD_ONLY
 
 
@@ -180,7 +181,7 @@ def with_options(function: Callable[..., None]) -> Callable[..., None]:
 def leave(
     action: Callable[[], int],
     as_json: bool = False,
-    cancelled: str = "Cancelled before anything moved.",
+    cancelled: str = phrase("Cancelled before anything moved."),
 ) -> None:
     """Leave with an exit code; whatever is refused is one sentence.
 
@@ -213,5 +214,7 @@ def _carried_out(action: Callable[[], int], as_json: bool, cancelled: str) -> in
     except Exception as error:
         for line in traceback.format_exc().splitlines():
             write("cli", action.__qualname__, "error", line)
-        note(f"fraese: stopped by an error in the program itself: {error!r}.")
+        note(
+            phrase("fraese: stopped by an error in the program itself: {error}.", error=repr(error))
+        )
         return 1

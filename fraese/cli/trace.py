@@ -12,6 +12,7 @@ import typer
 from fraese.cli.output import note, say, write
 from fraese.cli.shared import JsonOption, leave
 from fraese.errors import TraceError, UsageError
+from fraese.phrases import phrase, reason
 from fraese.plaintext import plain
 
 if TYPE_CHECKING:
@@ -106,19 +107,25 @@ def _ends(file: "VcdFile", start: str, end: str, around: str, span: str) -> tupl
     """
     if around:
         if start or end:
-            raise UsageError("Either --from and --to, or --around with --span.")
+            raise UsageError(phrase("Either --from and --to, or --around with --span."))
         length = _units(file, span or _SPAN, "--span")
         if not length:
-            raise UsageError(f"--span {span} is nothing to look at; say a length, as in {_SPAN}.")
+            raise UsageError(
+                phrase(
+                    "--span {span} is nothing to look at; say a length, as in {span_2}.",
+                    span=span,
+                    span_2=_SPAN,
+                )
+            )
         middle = _middle(file, around)
         first, last = middle - length // 2, middle + length // 2
     else:
         if span:
-            raise UsageError("--span goes with --around, which says where.")
+            raise UsageError(phrase("--span goes with --around, which says where."))
         first = _moment(file, start, "--from") if start else file.begin
         last = _units(file, end, "--to") if end else file.end
         if last <= first and (start or end):
-            raise UsageError("--to must come after --from; nothing lies between them.")
+            raise UsageError(phrase("--to must come after --from; nothing lies between them."))
     return max(0, first), max(last, first + 1, 1)
 
 
@@ -140,7 +147,15 @@ def _moment(file: "VcdFile", text: str, option: str) -> int:
     moment = _units(file, text, option)
     if moment > file.end:
         end = times.moment(file.end * file.unit_s)
-        raise UsageError(f"{option} {text} is after the end of {file.path}, {end}.")
+        raise UsageError(
+            phrase(
+                "{option} {text} is after the end of {path}, {end}.",
+                option=option,
+                text=text,
+                path=file.path,
+                end=end,
+            )
+        )
     return moment
 
 
@@ -154,14 +169,23 @@ def _middle(file: "VcdFile", around: str) -> int:
     name, words = (name, words) if colon and words.isdigit() else (around, "1")
     number, wanted = number_of(file, name), int(words)
     if not wanted:
-        raise UsageError(f"{file.lines[number].name}:0: edges are counted from 1.")
+        raise UsageError(
+            phrase("{name}:0: edges are counted from 1.", name=file.lines[number].name)
+        )
     left = wanted
     for piece in file.pieces(file.begin, file.end, file.levels(file.begin)):
         at = piece[number].at if number in piece else ()
         if len(at) >= left:
             return int(at[left - 1])
         left -= len(at)
-    raise UsageError(f"{file.lines[number].name} has {wanted - left} edges, not {wanted}.")
+    raise UsageError(
+        phrase(
+            "{name} has {wanted} edges, not {wanted_2}.",
+            name=file.lines[number].name,
+            wanted=wanted - left,
+            wanted_2=wanted,
+        )
+    )
 
 
 def _chosen(file: "VcdFile", wanted: list[str]) -> list[int]:
@@ -185,7 +209,9 @@ def _chosen(file: "VcdFile", wanted: list[str]) -> list[int]:
 def _pair(words: str) -> tuple[str, str]:
     direction, colon, clock = words.partition(":")
     if not (direction and colon and clock):
-        raise UsageError(f'--pair "{words}": two lines, as in --pair x_dir:x_step.')
+        raise UsageError(
+            phrase('--pair "{words}": two lines, as in --pair x_dir:x_step.', words=words)
+        )
     return direction, clock
 
 
@@ -224,9 +250,13 @@ def _show(
         write(_styled(line, dim=True) + "\n")
     # The picture comes last: it is what stays on a small screen.
     say(
-        f"\n{stretch.file.path}: {times.moment(stretch.start * unit_s)} to"
-        f" {times.moment(stretch.end * unit_s)};"
-        f" a column is {times.length(stretch.span_s / stretch.width)}"
+        phrase(
+            "\n{path}: {moment} to {moment_2}; a column is {length}",
+            path=stretch.file.path,
+            moment=times.moment(stretch.start * unit_s),
+            moment_2=times.moment(stretch.end * unit_s),
+            length=times.length(stretch.span_s / stretch.width),
+        )
     )
     for seen in drawn:
         name, wave = drawing.row(seen, glyphs, label)
@@ -234,7 +264,11 @@ def _show(
     for line in drawing.axis(stretch):
         write(_styled(f"{'':{label}} {line}", dim=True) + "\n")
     if sys.stdout.isatty() and drawing.is_dense(drawn):
-        closer = f"{glyphs.many}: more edges than can be seen. Closer: --around TIME --span {_SPAN}"
+        closer = phrase(
+            "{many}: more edges than can be seen. Closer: --around TIME --span {span}",
+            many=glyphs.many,
+            span=_SPAN,
+        )
         write(_styled(closer, dim=True) + "\n")
 
 
@@ -255,11 +289,17 @@ def _write_svg(path: Path, stretch: "Stretch", shown: "list[Seen]") -> None:
 
     try:
         if path.is_file() and path.read_bytes()[:1] not in (b"", b"<"):
-            raise TraceError(f"{path} is there and is no picture; it is not overwritten.")
+            raise TraceError(
+                phrase("{path} is there and is no picture; it is not overwritten.", path=path)
+            )
         path.write_text(picture(stretch, shown), encoding="utf-8")
     except OSError as error:
-        raise TraceError(f"{path}: the picture cannot be written: {error.strerror}.") from error
-    note(f"{path}: picture of the stretch.")
+        raise TraceError(
+            phrase(
+                "{path}: the picture cannot be written: {reason}.", path=path, reason=reason(error)
+            )
+        ) from error
+    note(phrase("{path}: picture of the stretch.", path=path))
 
 
 # --- for programs --------------------------------------------------------------------------------

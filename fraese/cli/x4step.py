@@ -10,6 +10,7 @@ from fraese import x4step
 from fraese.cli.output import say
 from fraese.cli.shared import leave
 from fraese.errors import UsageError
+from fraese.phrases import phrase
 
 app = typer.Typer()
 
@@ -30,7 +31,10 @@ def flags(
             words.append(str(folder / "x4step.c"))
         if not words:
             raise UsageError(
-                "Say --cflags, --libs or both, as in gcc prog.c $(fraese x4step --cflags --libs)."
+                phrase(
+                    "Say --cflags, --libs or both, as in gcc prog.c $(fraese x4step --cflags"
+                    " --libs)."
+                )
             )
         say(" ".join(words))
         return 0

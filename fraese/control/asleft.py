@@ -18,6 +18,7 @@ from fraese.control.controller import Controller
 from fraese.control.position import Position
 from fraese.control.state import Status
 from fraese.errors import StateError
+from fraese.phrases import joined, phrase
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,16 +44,20 @@ class Left:
 def left_by_crash(controller: Controller) -> Left | None:
     """What the crash before this start has left; None: there was none, or it is settled."""
     where = controller.position
-    pushed = f"If an axis was pushed by {_reach(where)} or more, reference it."
+    pushed = phrase("If an axis was pushed by {reach} or more, reference it.", reach=_reach(where))
     if where.doubt is not None:
-        nearness = f"The motors find back to where they were. {pushed}" if where.finds_back else ""
-        return Left(where.doubt_in_words(), f"{where.doubted()}.", nearness)
-    if where.was_abandoned:
-        known = (
-            "The program before was not closed, and the machine stood: the position is as it was"
-            " left."
+        nearness = (
+            phrase("The motors find back to where they were. {pushed}", pushed=pushed)
+            if where.finds_back
+            else ""
         )
-        return Left(f"{known} {pushed}", known, pushed)
+        return Left(where.doubt_in_words(), where.doubted() + ".", nearness)
+    if where.was_abandoned:
+        known = phrase(
+            "The program before was not closed, and the machine stood: the position is"
+            " as it was left."
+        )
+        return Left(joined(" ", (known, pushed)), known, pushed)
     return None
 
 
@@ -63,14 +68,20 @@ def take_as_left(controller: Controller) -> None:
         StateError: if nobody can say so, or the machine runs.
     """
     if controller.status is Status.RUN:
-        raise StateError("The machine runs; nothing was done.")
+        raise StateError(phrase("The machine runs; nothing was done."))
     left, where = left_by_crash(controller), controller.position
     if left is None:
-        raise StateError("No crash has put the position in doubt: there is nothing to take.")
+        raise StateError(
+            phrase("No crash has put the position in doubt: there is nothing to take.")
+        )
     if not left.may_be_taken:
         raise StateError(
-            f"{left.sentence[:-1]}. Motors find back to where they were from less than"
-            f" {_reach(where)}, and it may be further; nothing was done."
+            phrase(
+                "{sentence}. Motors find back to where they were from less than {reach}, and"
+                " it may be further; nothing was done.",
+                sentence=left.sentence.rstrip("."),
+                reach=_reach(where),
+            )
         )
     where.take_as_left()
 

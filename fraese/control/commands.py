@@ -20,6 +20,7 @@ from fraese.control.runloop import RunLoop
 from fraese.errors import LimitError, StateError
 from fraese.log import logged
 from fraese.machine import Machine, Steps
+from fraese.phrases import phrase
 
 #: A rate is rounded to whole cycles.
 _NEARLY: Final = 1.001
@@ -81,7 +82,7 @@ class Commands:
         target = softlimits.jog_target(where, motor, distance_steps, config.max_mm, clamp=clamp)
         watch = self.switches.watch_for_jog(motor, distance_steps)
         line = lines.line_to(where, target, config.feed_mm_min, watch)
-        self.start(f"jog {axis.upper()}", line, guest=True)
+        self.start(phrase("jog {axis}", axis=axis.upper()), line, guest=True)
 
     @logged
     def move_to(
@@ -112,11 +113,16 @@ class Commands:
         )
         self.check_moves([target])
         here = self.position.position_steps
-        self.start("move", lines.line_to(self.position, target, feed_mm_min), guest=True)
+        self.start(phrase("move"), lines.line_to(self.position, target, feed_mm_min), guest=True)
         fastest = softlimits.fastest_mm_min(self.machine, here, target)
         if feed_mm_min is not None and feed_mm_min > fastest * _NEARLY:
             self.say(
-                f"F {feed_mm_min:.0f} mm/min is more than the axes can: it goes with {fastest:.0f}."
+                phrase(
+                    "F {feed_mm_min:.0f} mm/min is more than the axes can: it goes with"
+                    " {fastest:.0f}.",
+                    feed_mm_min=feed_mm_min,
+                    fastest=fastest,
+                )
             )
 
     @logged
@@ -150,7 +156,8 @@ class Commands:
         measure = homing.measure if measure is None else measure
         lost = self._loop.lost_in_words
         job = Homing(homing, self.position, self.switches, self.say, lost, measure).job(order)
-        self.start("reference " + " ".join(name.upper() for name in order), job)
+        axes = " ".join(name.upper() for name in order)
+        self.start(phrase("reference {axes}", axes=axes), job)
 
     @logged
     def set_zero(self, axes: Iterable[str], value_mm: float = 0.0) -> None:
@@ -175,7 +182,9 @@ class Commands:
         """
         self._loop.require_not_running()
         if not self.position.offsets.undo_zero():
-            raise StateError("There is no work zero to undo: none was set since the last change.")
+            raise StateError(
+                phrase("There is no work zero to undo: none was set since the last change.")
+            )
 
     @logged
     def lift(self) -> None:
@@ -187,7 +196,7 @@ class Commands:
         """
         vertical, jog_mm = self.machine.vertical, self.config.jog.max_mm
         if vertical is None:
-            raise StateError("No axis of this machine lifts the tool.")
+            raise StateError(phrase("No axis of this machine lifts the tool."))
         axis, here = self.machine.axes[vertical], self.position.position_steps[vertical]
         if not self.position.referenced[vertical]:
             self.jog(axis.name, min(_LIFT_MM, jog_mm))
@@ -195,7 +204,11 @@ class Commands:
         safe_mm = self.config.run.safe_z_mm
         top_mm = axis.high_mm if safe_mm is None else safe_mm
         if axis.to_steps(top_mm) <= here:
-            raise LimitError(f"The tool is up already: {axis.name.upper()} stands at its height.")
+            raise LimitError(
+                phrase(
+                    "The tool is up already: {name} stands at its height.", name=axis.name.upper()
+                )
+            )
         self.move_to({axis.name: top_mm}, machine_coordinates=True)
 
     def _require_vertical(self, axes: Sequence[str]) -> None:
@@ -203,10 +216,17 @@ class Commands:
         lifts = self.machine.names[vertical] if vertical is not None else ""
         others = [name.upper() for name in axes if name != lifts]
         if others:
-            only = f"only the zero of {lifts.upper()} can be set" if lifts else "no zero can be set"
+            only = (
+                phrase("only the zero of {lifts} can be set", lifts=lifts.upper())
+                if lifts
+                else phrase("no zero can be set")
+            )
             raise StateError(
-                f"A program waits: {only} now, not that of {', '.join(others)}; nothing was"
-                " changed."
+                phrase(
+                    "A program waits: {only} now, not that of {others}; nothing was changed.",
+                    only=only,
+                    others=", ".join(others),
+                )
             )
 
     @logged

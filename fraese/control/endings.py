@@ -4,6 +4,7 @@ from fraese.control.endswitches import EndSwitches
 from fraese.control.position import Position
 from fraese.errors import FraeseError, KeepAlarm, SilenceAlarm, StopAlarm
 from fraese.motor.seams import Ended, Report
+from fraese.phrases import phrase
 
 
 def alarm(report: Report, position: Position, switches: EndSwitches) -> FraeseError:
@@ -11,13 +12,19 @@ def alarm(report: Report, position: Position, switches: EndSwitches) -> FraeseEr
     ended, where = report.ended, position.in_words()
     if ended is Ended.SILENCE:
         return SilenceAlarm(
-            "The program did not look after the motors for too long; they were braked and"
-            f" switched off at {where}."
+            phrase(
+                "The program did not look after the motors for too long; they were braked"
+                " and switched off at {where}.",
+                where=where,
+            )
         )
     if ended is Ended.STOP:
         return StopAlarm(
-            f"The motors stopped at {where}, and nobody here had asked for it: look at the line"
-            " and at who else uses it."
+            phrase(
+                "The motors stopped at {where}, and nobody here had asked for it: look at"
+                " the line and at who else uses it.",
+                where=where,
+            )
         )
     return switches.alarm()
 
@@ -25,7 +32,10 @@ def alarm(report: Report, position: Position, switches: EndSwitches) -> FraeseEr
 def not_kept(failure: FraeseError) -> KeepAlarm:
     """What is to be said where the disk does not take the place while the motors run."""
     return KeepAlarm(
-        f"Braked, because where the machine is could not be kept: {failure} It stands where is"
-        " said, but a restart may not know that.",
+        phrase(
+            "Braked, because where the machine is could not be kept: {failure} It stands"
+            " where is said, but a restart may not know that.",
+            failure=failure,
+        ),
         reason=str(failure),
     )

@@ -25,6 +25,7 @@ from fraese.control.position import Position
 from fraese.errors import StateError, SwitchAlarm
 from fraese.motor.pins import STATUS_PINS
 from fraese.motor.seams import End, Report, StepDriver, SwitchMode
+from fraese.phrases import joined, phrase
 
 
 def contact_bits(switches: SwitchesConfig) -> tuple[int, int]:
@@ -173,8 +174,11 @@ class EndSwitches:
         """
         if self.closed and not self._ignored:
             raise StateError(
-                f"End switch {self._in_words()} is closed: jog away from it, reference the"
-                " machine, or let switches be ignored; nothing has moved."
+                phrase(
+                    "End switch {in_words} is closed: jog away from it, reference the"
+                    " machine, or let switches be ignored; nothing has moved.",
+                    in_words=self._in_words(),
+                )
             )
 
     def watch_for_jog(self, motor: int, distance_steps: int) -> Watch | None:
@@ -194,12 +198,16 @@ class EndSwitches:
     def alarm(self) -> SwitchAlarm:
         """What is to be said after a contact has stopped the motors."""
         return SwitchAlarm(
-            f"End switch {self._in_words()} closed: stopped at {self._position.in_words()}.",
+            phrase(
+                "End switch {in_words} closed: stopped at {in_words_2}.",
+                in_words=self._in_words(),
+                in_words_2=self._position.in_words(),
+            ),
             ends=list(self.names()),
         )
 
     def _in_words(self) -> str:
-        return " or ".join(self.names()) or "unknown"
+        return joined(phrase(" or "), self.names()) or phrase("unknown")
 
 
 def _watch(bits: tuple[int, int], closed: bool, action: WatchAction) -> Watch:

@@ -21,6 +21,7 @@ from fraese.anythread import any_thread
 from fraese.blocks import OVERRIDES, Q8, RAPID_OVERRIDES, Block
 from fraese.errors import LimitError
 from fraese.motor.seams import StepDriver
+from fraese.phrases import phrase
 
 #: Blocks that are looked at; more do not begin before the next look.
 _NEXT: Final = 8
@@ -131,5 +132,11 @@ def _require(what: str, factor: float, bounds: tuple[float, float]) -> None:
     low, high = bounds
     if not low <= factor <= high:
         raise LimitError(
-            f"A {what} override is {low * 100:g} to {high * 100:g} %, not {factor * 100:g} %."
+            phrase(
+                "A {what} override is {low:g} to {high:g} %, not {factor:g} %.",
+                what=what,
+                low=low * 100,
+                high=high * 100,
+                factor=factor * 100,
+            )
         )

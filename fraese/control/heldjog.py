@@ -19,6 +19,7 @@ from fraese.control.controller import Controller
 from fraese.control.jobs import Job, Standstill
 from fraese.log import logged
 from fraese.machine import Steps
+from fraese.phrases import phrase
 
 #: Nobody has said for so long that he holds it: it brakes.
 DEAD_MAN_S: Final = 0.4
@@ -70,7 +71,7 @@ class HeldJog:
         way_steps = sign * moved.to_steps(longest_mm)
         target = softlimits.jog_target(where, motor, way_steps, longest_mm, clamp=True)
         watch = controller.switches.watch_for_jog(motor, way_steps)
-        name = f"jog {axis.upper()}{'+' if sign > 0 else '-'}, held"
+        name = phrase("jog {axis}{what}, held", axis=axis.upper(), what="+" if sign > 0 else "-")
         controller.start(name, self._job(controller, target, watch), guest=True)
 
     def _job(self, controller: Controller, target: Steps, watch: Watch | None) -> Job:

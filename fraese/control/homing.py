@@ -29,6 +29,7 @@ from fraese.control.position import Position
 from fraese.errors import HomingError, LimitError
 from fraese.machine import Axis, Machine
 from fraese.motor.seams import End, Ended, Report
+from fraese.phrases import joined, phrase
 
 _Steps = Generator[Demand, Report, Report]
 
@@ -48,8 +49,11 @@ def chosen(home_order: Sequence[str], axes: Sequence[str], machine: Machine) -> 
     order += [name for name in axes if name not in order]
     if not order:
         raise LimitError(
-            "No axis has end switches: name those whose present place is to be their zero, as"
-            f" in home {machine.axes[0].name.upper()}."
+            phrase(
+                "No axis has end switches: name those whose present place is to be their"
+                " zero, as in home {name}.",
+                name=machine.axes[0].name.upper(),
+            )
         )
     return order
 
@@ -95,7 +99,7 @@ class Homing:
         """
         report = yield STANDSTILL
         if report.switch_closed and any(self._axis(name).has_switches for name in axes):
-            yield Doing("a switch is closed: off whichever it is")
+            yield Doing(phrase("a switch is closed: off whichever it is"))
             ends = self._switches.ends()
             # Since the last command somebody may have moved a carriage by hand.
             others = self._switches.ends(kept=False) - ends
@@ -103,7 +107,7 @@ class Homing:
         said = []
         for name in axes:
             said.append((yield from self._reference(name)))
-        self._say("Referenced: " + ", ".join(said) + ".")
+        self._say(phrase("Referenced: {axes}.", axes=joined(", ", said)))
 
     # --- one axis ------------------------------------------------------------------------------
 
@@ -114,7 +118,9 @@ class Homing:
         axis = self._axis(name)
         if not axis.has_switches:
             self._position.set_reference(name, 0)
-            return f"{name.upper()} (without end switches: where it stands is zero)"
+            return phrase(
+                "{name} (without end switches: where it stands is zero)", name=name.upper()
+            )
         sign = axis.home_sign
         self._position.lose_reference([self._machine.index(name)])
         contact = yield from self._find(axis, sign)
@@ -122,7 +128,7 @@ class Homing:
         self._position.set_reference(name, 0)
         if not self._measure:
             return name.upper()
-        yield Doing(f"{name.upper()}: to the other end")
+        yield Doing(phrase("{name}: to the other end", name=name.upper()))
         other = yield from self._find(axis, -sign)
         yield from self._pull_off(axis, -sign, other)
         zero_to_switch = axis.to_steps(self._config.pull_off_mm)
@@ -130,11 +136,16 @@ class Homing:
         self.measured_mm[name] = measured_mm
         yield from self._back_to_zero(axis)
         measured = axis.with_unit(f"{measured_mm:.3f}")
-        return f"{name.upper()} (travel {measured}, configured {axis.with_unit(axis.travel_mm)})"
+        return phrase(
+            "{name} (travel {measured}, configured {with_unit})",
+            name=name.upper(),
+            measured=measured,
+            with_unit=axis.with_unit(axis.travel_mm),
+        )
 
     def _back_to_zero(self, axis: Axis) -> _Steps:
         """The other end may lie outside the soft limits; home is where a reference run ends."""
-        yield Doing(f"{axis.name.upper()}: back to machine zero")
+        yield Doing(phrase("{name}: back to machine zero", name=axis.name.upper()))
         motor = self._machine.index(axis.name)
         distance = -self._position.position_steps[motor]
         yield from axis_line(self._position, motor, distance, None, None)
@@ -145,27 +156,52 @@ class Homing:
         config = self._config
         search_mm = axis.travel_mm * config.search_factor
         end = self._name(axis, sign)
-        yield Doing(f"{axis.name.upper()}: to the switch {end}")
+        yield Doing(phrase("{name}: to the switch {end}", name=axis.name.upper(), end=end))
         report = yield from self._go(axis, sign * search_mm, config.approach_mm_min, closed=True)
         if report.ended is not Ended.WATCH:
             lost = self._lost()
-            on_the_way = ", and steps were lost on the way: look at why, then" if lost else ": look"
+            on_the_way = (
+                phrase(", and steps were lost on the way: look at why, then")
+                if lost
+                else phrase(": look")
+            )
             raise HomingError(
-                f"End switch {end} was not found within {axis.with_unit(search_mm)}{on_the_way} at"
-                f" the switch and at axes.{axis.name}.{axis.travel_key}; the machine stands at"
-                f" {self._position.in_words()}. {lost}".rstrip(),
+                phrase(
+                    "End switch {end} was not found within {with_unit}{on_the_way} at the"
+                    " switch and at axes.{name}.{travel_key}; the machine stands at"
+                    " {in_words}. {lost}",
+                    end=end,
+                    with_unit=axis.with_unit(search_mm),
+                    on_the_way=on_the_way,
+                    name=axis.name,
+                    travel_key=axis.travel_key,
+                    in_words=self._position.in_words(),
+                    lost=lost,
+                ).rstrip(),
                 end=end,
             )
-        yield Doing(f"{axis.name.upper()}: off {end}, slowly, until it opens")
+        yield Doing(
+            phrase("{name}: off {end}, slowly, until it opens", name=axis.name.upper(), end=end)
+        )
         yield from self._open(axis, sign)
-        yield Doing(f"{axis.name.upper()}: slowly to {end} again: this contact counts")
+        yield Doing(
+            phrase(
+                "{name}: slowly to {end} again: this contact counts",
+                name=axis.name.upper(),
+                end=end,
+            )
+        )
         report = yield from self._go(
             axis, sign * 2 * config.back_off_max_mm, config.slow_mm_min, closed=True
         )
         if report.ended is not Ended.WATCH:
             raise HomingError(
-                f"End switch {end} closed once, but not again within"
-                f" {axis.with_unit(2 * config.back_off_max_mm)}: look for a loose switch or wire.",
+                phrase(
+                    "End switch {end} closed once, but not again within {with_unit}: look"
+                    " for a loose switch or wire.",
+                    end=end,
+                    with_unit=axis.with_unit(2 * config.back_off_max_mm),
+                ),
                 alarms.END_NOT_AGAIN,
                 end=end,
             )
@@ -178,8 +214,12 @@ class Homing:
         )
         if report.ended is not Ended.WATCH:
             raise HomingError(
-                f"End switch {self._name(axis, sign)} does not open again within"
-                f" {axis.with_unit(config.back_off_max_mm)}: {self._wire()}",
+                phrase(
+                    "End switch {name} does not open again within {with_unit}: {wire}",
+                    name=self._name(axis, sign),
+                    with_unit=axis.with_unit(config.back_off_max_mm),
+                    wire=self._wire(),
+                ),
                 alarms.END_STUCK,
                 end=self._name(axis, sign),
             )
@@ -188,7 +228,14 @@ class Homing:
     def _pull_off(self, axis: Axis, sign: int, contact: int) -> _Steps:
         """From the contact to the pull-off distance; the switch opens on the way."""
         way = axis.with_unit(self._config.pull_off_mm)
-        yield Doing(f"{axis.name.upper()}: {way} off {self._name(axis, sign)}")
+        yield Doing(
+            phrase(
+                "{name}: {way} off {name_2}",
+                name=axis.name.upper(),
+                way=way,
+                name_2=self._name(axis, sign),
+            )
+        )
         index = self._machine.index(axis.name)
         target = contact - sign * axis.to_steps(self._config.pull_off_mm)
         distance = target - self._position.position_steps[index]
@@ -198,9 +245,13 @@ class Homing:
         report = yield STANDSTILL
         if report.switch_closed:
             raise HomingError(
-                f"End switch {self._name(axis, sign)} is still closed at the pull-off distance of"
-                f" {axis.with_unit(self._config.pull_off_mm)}: make homing.pull_off_mm longer, or"
-                f" {self._wire()}",
+                phrase(
+                    "End switch {name} is still closed at the pull-off distance of"
+                    " {with_unit}: make homing.pull_off_mm longer, or {wire}",
+                    name=self._name(axis, sign),
+                    with_unit=axis.with_unit(self._config.pull_off_mm),
+                    wire=self._wire(),
+                ),
                 alarms.END_AT_PULL_OFF,
                 end=self._name(axis, sign),
             )
@@ -219,8 +270,13 @@ class Homing:
                     return
         names = ", ".join(self._switches.name(end) for end in candidates)
         raise HomingError(
-            f"The end switch is closed and does not open within {reach_mm:g} mm of any of"
-            f" {names}: {self._wire()}",
+            phrase(
+                "The end switch is closed and does not open within {reach_mm:g} mm of any of"
+                " {names}: {wire}",
+                reach_mm=reach_mm,
+                names=names,
+                wire=self._wire(),
+            ),
             alarms.END_UNKNOWN,
             ends=[self._switches.name(end) for end in candidates],
         )
@@ -267,4 +323,6 @@ class Homing:
         return self._switches.name(End(self._machine.index(axis.name), sign))
 
     def _wire(self) -> str:
-        return f"look for a stuck switch, and at the wire to DB25 pin {self._switches.pin}."
+        return phrase(
+            "look for a stuck switch, and at the wire to DB25 pin {pin}.", pin=self._switches.pin
+        )

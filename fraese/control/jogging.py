@@ -26,6 +26,7 @@ from fraese.control.jobs import Job, Standstill
 from fraese.control.presses import Group, Press, Waiting
 from fraese.errors import FraeseError
 from fraese.machine import Steps, three_decimals
+from fraese.phrases import phrase
 
 #: Of a held key, at widths that are finer than this, so much may wait.
 _HELD_MM = 0.5
@@ -159,7 +160,7 @@ class Jogs:
                 self._job = job
             hand = self._next(job)
             if hand is not None:
-                self._controller.start("jog", self._work(job, hand), guest=True)
+                self._controller.start(phrase("jog"), self._work(job, hand), guest=True)
         except FraeseError:
             self.forget()
             raise
@@ -257,7 +258,11 @@ class Jogs:
             if press.way_steps(axis) * hand.sign > 0
         )
         name, short = axis.name.upper(), axis.with_unit(three_decimals(short_mm))
-        return f"{name} has stopped at its soft limit, {short} short of what was pressed."
+        return phrase(
+            "{name} has stopped at its soft limit, {short} short of what was pressed.",
+            name=name,
+            short=short,
+        )
 
     def _turned(self, hand: _Hand) -> str:
         """Where it came to rest when the opposite key was pressed, or the held key let go."""
@@ -275,8 +280,16 @@ class Jogs:
         if left_out is None or not (gone := left_out + len(beyond) - 1):
             return ""
         sense = "+" if sign > 0 else "−"
-        many = "es that had not begun are" if gone > 1 else " that had not begun is"
-        return f"{axis.name.upper()}{sense} was turned round: {gone} press{many} left out."
+        turned = axis.name.upper() + sense
+        if gone == 1:
+            return phrase(
+                "{turned} was turned round: 1 press that had not begun is left out.", turned=turned
+            )
+        return phrase(
+            "{turned} was turned round: {gone} presses that had not begun are left out.",
+            turned=turned,
+            gone=gone,
+        )
 
     def _here(self, hand: _Hand) -> int:
         return self._controller.position.position_steps[hand.motor]

@@ -28,12 +28,13 @@ from fraese.control.recorder import Recorder
 from fraese.errors import PortError, StateError
 from fraese.machine import Steps
 from fraese.motor.seams import IdleLevel, Report, StepDriver
+from fraese.phrases import phrase
 from fraese.planner.lines import mm_per_tick, planned_s
 
 #: Of a place that is known from what was left of what made the steps,
-DIED: Final = "what made the steps died in the middle of a job"
+DIED: Final = phrase("what made the steps died in the middle of a job")
 #: and from what it had been given.
-LOST: Final = "what makes the steps was lost in the middle of a job"
+LOST: Final = phrase("what makes the steps was lost in the middle of a job")
 #: An input that still changes after so many readings is a matter for a person.
 _MOST_LOOKS: Final = 1000
 
@@ -141,8 +142,10 @@ class MotionQueue:
             self._driver.idle(level)
         except StateError as error:
             raise PortError(
-                "The motors move, though they had come to rest and nothing was asked of them: they"
-                " were stopped; cut their power if they do not.",
+                phrase(
+                    "The motors move, though they had come to rest and nothing was asked of"
+                    " them: they were stopped; cut their power if they do not."
+                ),
                 alarms.BRIDGE_STUCK,
             ) from error
 

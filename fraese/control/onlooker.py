@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from fraese.anythread import any_thread
+from fraese.phrases import joined, phrase
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +72,16 @@ def lost_in_words(names: Sequence[str], seen: Seen, made_steps: Sequence[int]) -
         made_steps: steps that were given out in the same time, per axis.
     """
     lost = [
-        f"{name.upper()} {abs(steps):g} of {made} steps ({why})"
+        phrase(
+            "{name} {steps:g} of {made} steps ({why})",
+            name=name.upper(),
+            steps=abs(steps),
+            made=made,
+            why=why,
+        )
         for name, steps, why, made in zip(
             names, seen.lost_steps, seen.lost_why, made_steps, strict=False
         )
         if why
     ]
-    return f"Lost on the simulated mill: {', '.join(lost)}." if lost else ""
+    return phrase("Lost on the simulated mill: {lost}.", lost=joined(", ", lost)) if lost else ""

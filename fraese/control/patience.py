@@ -13,6 +13,7 @@ from typing import Final
 from fraese import alarms
 from fraese.errors import PortError
 from fraese.motor.seams import Clock, Report
+from fraese.phrases import phrase
 
 #: Motors that do not get on for so long never will.
 LIMIT_S: Final = 3.0
@@ -71,8 +72,12 @@ class Patience:
 def no_progress(where: str) -> PortError:
     """What is said when patience is over."""
     return PortError(
-        f"The motors did not get on for {LIMIT_S:g} s at {where}: they were stopped and switched"
-        " off.",
+        phrase(
+            "The motors did not get on for {limit_s:g} s at {where}: they were stopped and"
+            " switched off.",
+            limit_s=LIMIT_S,
+            where=where,
+        ),
         alarms.NO_PROGRESS,
         waited_s=LIMIT_S,
     )

@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from fraese.control.workoffsets import WorkOffsets
 from fraese.machine import Machine, Steps
 from fraese.motor.seams import Report
+from fraese.phrases import joined, phrase
 from fraese.planner.backlash import Carriages
 from fraese.workframe import WorkFrame
 
@@ -194,22 +195,31 @@ class Position:
         """What is not known of the position, and what to do, a sentence; empty if nothing."""
         if self.doubt is None:
             return ""
-        also = ", or take it as it was left (fraese trust)" if self.finds_back else ""
-        return f"{self.doubted()}; reference it again{also}."
+        also = phrase(", or take it as it was left (fraese trust)") if self.finds_back else ""
+        return phrase("{doubted}; reference it again{also}.", doubted=self.doubted(), also=also)
 
     def doubted(self) -> str:
         """What is not known of the position, a sentence without its end; empty if nothing."""
         if self.doubt is None:
             return ""
         between = [
-            f"{axis.name.upper()} {axis.to_mm(low):.3f} and {axis.to_mm(high):.3f}"
+            phrase(
+                "{name} {to_mm:.3f} and {to_mm_2:.3f}",
+                name=axis.name.upper(),
+                to_mm=axis.to_mm(low),
+                to_mm_2=axis.to_mm(high),
+            )
             for axis, is_sure, (low, high) in zip(
                 self.machine.axes, self.referenced, self.bounds_steps(), strict=False
             )
             if not is_sure
         ]
-        where = f", between {', '.join(between)} (machine)" if between else ""
-        return f"The position is not trusted: {self.doubt.why}{where}"
+        where = (
+            phrase(", between {between} (machine)", between=joined(", ", between))
+            if between
+            else ""
+        )
+        return phrase("The position is not trusted: {why}{where}", why=self.doubt.why, where=where)
 
     @property
     def finds_back(self) -> bool:

@@ -30,6 +30,7 @@ from fraese.control.savedstate import Motion, SavedState
 from fraese.errors import ConfigError, FraeseError
 from fraese.machine import Machine, Steps
 from fraese.motor.seams import Report
+from fraese.phrases import phrase
 
 _NS_PER_S: Final = 1_000_000_000
 _EVERY_NS: Final = _NS_PER_S // 4
@@ -202,7 +203,7 @@ class JournalRecorder(Recorder):
                 failure, self.failure = self.failure, None
                 raise failure
             if self._now_ns() > until_ns:
-                raise ConfigError("The state cannot be written: the disk takes no record.")
+                raise ConfigError(phrase("The state cannot be written: the disk takes no record."))
 
     def allows(self, end: Steps, next_one: Span) -> bool:
         """Whether this block may follow those that the driver has."""

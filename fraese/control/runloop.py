@@ -39,7 +39,9 @@ from fraese.errors import (
 )
 from fraese.log import write as log_line
 from fraese.motor.seams import Clock, IdleLevel, StepDriver
+from fraese.phrases import joined, phrase
 
+_TORN: Final = phrase("Stopped without ramp: reference the axes before relying on it.")
 _NS_PER_S: Final = 1_000_000_000
 
 
@@ -228,7 +230,7 @@ class RunLoop:
         if not self.is_open:
             self.require_not_running()
         if self.status is Status.ERROR:
-            raise StateError(f"Acknowledge the error first: {self.message}")
+            raise StateError(phrase("Acknowledge the error first: {message}", message=self.message))
         # Somebody may have moved a carriage, or pressed a switch, since the last look.
         self._queue.look_around(self._config.switches.readings)
 
@@ -245,7 +247,9 @@ class RunLoop:
             StateError: if a job does.
         """
         if self.status is Status.RUN:
-            raise StateError("The machine runs: cancel or wait for the end of the job first.")
+            raise StateError(
+                phrase("The machine runs: cancel or wait for the end of the job first.")
+            )
 
     def say(self, message: str) -> None:
         """Show a message."""
@@ -318,7 +322,7 @@ class RunLoop:
             # Where they stand is kept only if they were seen to stand.
             self._queue.poll(self._slice_ns / _NS_PER_S)
         self.status = Status.ERROR
-        self.message = f"Stopped by an error: {error!r}."
+        self.message = phrase("Stopped by an error: {error}.", error=repr(error))
 
     def _lose_port(self, error: PortError) -> None:
         """The metal went away under the job: nobody knows what the motors did last."""
@@ -333,9 +337,9 @@ class RunLoop:
     def _conclude(self) -> None:
         """Say how the job ended."""
         if self.status is Status.CANCEL:
-            self.message = f"Cancelled at {self._position.in_words()}."
+            self.message = phrase("Cancelled at {in_words}.", in_words=self._position.in_words())
             if self._queue.report.torn:
-                self.message += " Stopped without ramp: reference the axes before relying on it."
+                self.message = joined(" ", (self.message, _TORN))
         elif self.status is Status.ERROR:
             self.error = self.runner.failure or alarm(
                 self._queue.report, self._position, self._switches
@@ -356,19 +360,30 @@ class RunLoop:
         """What the motors felt and nobody asked for: dry queues, late and lost steps."""
         report = self._queue.report
         late, dry = report.late_ticks - self._late_before, report.dry_queues - self._dry_before
-        said = []
+        said: list[str] = []
         if dry:
-            said.append(f"The queue ran dry {dry} times: the motors braked and waited.")
+            said.append(
+                phrase("The queue ran dry {dry} times: the motors braked and waited.", dry=dry)
+            )
         if lapses := self._recorder.lapses - self._lapses_before:
-            said.append(f"The motors braked {lapses} times: the disk was late with their place.")
+            said.append(
+                phrase(
+                    "The motors braked {lapses} times: the disk was late with their place.",
+                    lapses=lapses,
+                )
+            )
         if late:
-            said.append(f"{late} ticks came late by more than a quarter of their interval.")
+            said.append(
+                phrase(
+                    "{late} ticks came late by more than a quarter of their interval.", late=late
+                )
+            )
         lost = self.lost_in_words()
         # A job that failed for this reason has said so.
         if lost and lost not in self.message:
             said.append(lost)
         if said:
-            self.say(" ".join([self.message, *said]).strip())
+            self.say(joined(" ", [text for text in (self.message, *said) if text]))
 
     def lost_in_words(self) -> str:
         """Steps of this job that a simulated mill lost so far; empty if none. At standstill."""

@@ -17,6 +17,7 @@ from fraese.control.position import Doubt, Position
 from fraese.errors import ConfigError
 from fraese.machine import Axis, Steps
 from fraese.motor.seams import Report
+from fraese.phrases import phrase
 from fraese.workframe import ACTIVE_SYSTEM, SYSTEMS
 
 #: No machine was ever so far from its zero.
@@ -25,8 +26,8 @@ _FARTHEST_STEPS: Final = 10**10 - 1
 _Count = Annotated[int, Field(ge=-_FARTHEST_STEPS, le=_FARTHEST_STEPS)]
 _Counts = tuple[_Count, ...]
 
-IN_MOTION: Final = "the program ended while the machine moved"
-DAMAGED: Final = "the last record of its place was damaged"
+IN_MOTION: Final = phrase("the program ended while the machine moved")
+DAMAGED: Final = phrase("the last record of its place was damaged")
 
 
 class _Fact(BaseModel):
@@ -178,7 +179,7 @@ class SavedState(_Fact):
     @classmethod
     def _a_system(cls, value: dict[int, float]) -> dict[int, float]:
         if value.get(ACTIVE_SYSTEM, 1) not in range(1, len(SYSTEMS) + 1):
-            raise ValueError("no such work offset")
+            raise ValueError(phrase("no such work offset"))
         return value
 
 
@@ -197,7 +198,7 @@ def state_in(text: bytes, axes: int, name: str) -> SavedState:
         kept = SavedState.model_validate_json(text)
     except ValidationError as error:
         raise ConfigError(
-            f"{name}: is damaged; start with --fresh and reference the machine."
+            phrase("{name}: is damaged; start with --fresh and reference the machine.", name=name)
         ) from error
     motion, doubt = kept.motion, kept.doubt
     per_axis: list[tuple[object, ...]] = [
@@ -212,6 +213,9 @@ def state_in(text: bytes, axes: int, name: str) -> SavedState:
     ]
     if any(len(values) != axes for values in per_axis):
         raise ConfigError(
-            f"{name}: belongs to a machine with another number of axes; start with --fresh."
+            phrase(
+                "{name}: belongs to a machine with another number of axes; start with --fresh.",
+                name=name,
+            )
         )
     return kept

@@ -8,6 +8,7 @@ from fraese.control.calibration.moves import AxisMoves, with_rates
 from fraese.control.controller import Controller
 from fraese.control.jobs import Job
 from fraese.errors import LimitError
+from fraese.phrases import phrase
 
 
 def turn_slowly(controller: Controller, axis: str, steps: int, rate_hz: float) -> None:
@@ -25,7 +26,7 @@ def turn_slowly(controller: Controller, axis: str, steps: int, rate_hz: float) -
     """
     moves = AxisMoves(controller, axis)
     if not steps or not rate_hz > 0:
-        raise LimitError("A motor is turned by at least one step, at more than 0 steps/s.")
+        raise LimitError(phrase("A motor is turned by at least one step, at more than 0 steps/s."))
     target = list(controller.position.position_steps)
     target[moves.motor] += steps
     controller.check_moves([tuple(target)])
@@ -35,4 +36,4 @@ def turn_slowly(controller: Controller, axis: str, steps: int, rate_hz: float) -
     def job() -> Job:
         yield from moves.go(steps, axis=slow)
 
-    controller.start(f"slow motion {axis.upper()}", job())
+    controller.start(phrase("slow motion {axis}", axis=axis.upper()), job())

@@ -14,6 +14,7 @@ from typing import Final
 from fraese.control.position import Position
 from fraese.errors import LimitError
 from fraese.machine import Axis, Machine, Steps, three_decimals
+from fraese.phrases import phrase
 from fraese.workframe import WorkFrame
 
 #: Numbers beyond are mistakes of typing.
@@ -70,9 +71,11 @@ def why_not(
         return _outside(axis, to_mm, frame)
     if span_mm <= axis.travel_mm + axis.step_mm / 2:
         return ""
-    return (
-        f"{axis.name.upper()} would move {axis.with_unit(f'{span_mm:.3f}')}, further than its"
-        f" whole travel of {axis.with_unit(axis.travel_mm)}."
+    return phrase(
+        "{name} would move {with_unit}, further than its whole travel of {with_unit_2}.",
+        name=axis.name.upper(),
+        with_unit=axis.with_unit(f"{span_mm:.3f}"),
+        with_unit_2=axis.with_unit(axis.travel_mm),
     )
 
 
@@ -93,7 +96,12 @@ def jog_target(
     """
     axis = position.machine.axes[motor]
     if not distance_steps:
-        raise LimitError(f"A jog must be at least one step of {axis.with_unit(axis.step_mm)}.")
+        raise LimitError(
+            phrase(
+                "A jog must be at least one step of {with_unit}.",
+                with_unit=axis.with_unit(axis.step_mm),
+            )
+        )
     if abs(distance_steps) > axis.to_steps(longest_mm):
         require_jog(axis, axis.to_mm(distance_steps), longest_mm)
     target = list(position.position_steps)
@@ -117,7 +125,7 @@ def _within(position: Position, motor: int, target_steps: int) -> int:
     target_steps = min(max(target_steps, low), high)
     if target_steps == position.position_steps[motor]:
         name = position.machine.axes[motor].name
-        raise LimitError(f"{name.upper()} stands at its soft limit.")
+        raise LimitError(phrase("{name} stands at its soft limit.", name=name.upper()))
     return target_steps
 
 
@@ -129,22 +137,32 @@ def _limits_steps(axis: Axis, here_steps: int) -> tuple[int, int]:
 def _outside(axis: Axis, value_mm: float, frame: WorkFrame) -> str:
     name = axis.name.upper()
     if axis.is_endless:
-        return (
-            f"{name} {axis.with_unit(value_mm)} is further than steps are counted,"
-            f" {axis.with_unit(axis.to_mm(axis.high_steps))} either way."
+        return phrase(
+            "{name} {with_unit} is further than steps are counted, {with_unit_2} either way.",
+            name=name,
+            with_unit=axis.with_unit(value_mm),
+            with_unit_2=axis.with_unit(axis.to_mm(axis.high_steps)),
         )
     offset_mm = frame.origin[frame.axes.index(axis.name)]
     # A turned axis has no travel of its own: it depends on where the other one stands.
     own = frame.moved_with(axis.name) == {axis.name}
     work = (
-        f" (work {three_decimals(axis.low_mm - offset_mm)} to"
-        f" {three_decimals(axis.high_mm - offset_mm)})"
+        phrase(
+            " (work {low} to {high})",
+            low=three_decimals(axis.low_mm - offset_mm),
+            high=three_decimals(axis.high_mm - offset_mm),
+        )
         if offset_mm and own
         else ""
     )
-    return (
-        f"{name} {axis.with_unit(three_decimals(value_mm))} is outside the travel,"
-        f" {axis.low_mm:g} to {axis.with_unit(axis.high_mm)} in machine coordinates{work}."
+    return phrase(
+        "{name} {with_unit} is outside the travel, {low_mm:g} to {with_unit_2} in"
+        " machine coordinates{work}.",
+        name=name,
+        with_unit=axis.with_unit(three_decimals(value_mm)),
+        low_mm=axis.low_mm,
+        with_unit_2=axis.with_unit(axis.high_mm),
+        work=work,
     )
 
 
@@ -156,8 +174,11 @@ def require_jog(axis: Axis, distance_mm: float, longest_mm: float) -> None:
     """
     if not 0 < abs(distance_mm) <= longest_mm:
         raise LimitError(
-            f"A jog must be longer than 0 and at most {axis.with_unit(longest_mm)}, not"
-            f" {axis.with_unit(distance_mm)}."
+            phrase(
+                "A jog must be longer than 0 and at most {with_unit}, not {with_unit_2}.",
+                with_unit=axis.with_unit(longest_mm),
+                with_unit_2=axis.with_unit(distance_mm),
+            )
         )
 
 
@@ -180,11 +201,17 @@ def require_finite(axis: Axis, value_mm: float) -> None:
     """
     name = axis.name.upper()
     if not math.isfinite(value_mm):
-        raise LimitError(f"{name} needs a number, not {value_mm}.")
+        raise LimitError(
+            phrase("{name} needs a number, not {value_mm}.", name=name, value_mm=value_mm)
+        )
     if abs(value_mm) > _LARGEST_MM:
         raise LimitError(
-            f"{name} {value_mm:g} is further than any machine: at most"
-            f" {axis.with_unit(f'{_LARGEST_MM:,.0f}')} either way."
+            phrase(
+                "{name} {value_mm:g} is further than any machine: at most {with_unit} either way.",
+                name=name,
+                value_mm=value_mm,
+                with_unit=axis.with_unit(f"{_LARGEST_MM:,.0f}"),
+            )
         )
 
 
@@ -197,10 +224,16 @@ def require_feed(feed_mm_min: float | None) -> None:
     if feed_mm_min is None:
         return
     if not feed_mm_min > 0:
-        raise LimitError(f"A feed is above 0 mm/min, not {feed_mm_min:g}.")
+        raise LimitError(
+            phrase("A feed is above 0 mm/min, not {feed_mm_min:g}.", feed_mm_min=feed_mm_min)
+        )
     if not _SLOWEST_MM_MIN <= feed_mm_min < math.inf:
         raise LimitError(
-            f"A feed is a number of mm/min from {_SLOWEST_MM_MIN:g} on, not {feed_mm_min:g}."
+            phrase(
+                "A feed is a number of mm/min from {slowest_mm_min:g} on, not {feed_mm_min:g}.",
+                slowest_mm_min=_SLOWEST_MM_MIN,
+                feed_mm_min=feed_mm_min,
+            )
         )
 
 

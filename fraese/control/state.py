@@ -7,6 +7,7 @@ from fraese.alarms import AlarmKind
 from fraese.blocks import OVERRIDES as OVERRIDES
 from fraese.blocks import RAPID_OVERRIDES as RAPID_OVERRIDES
 from fraese.machine import three_decimals as three_decimals
+from fraese.phrases import joined, phrase
 from fraese.workframe import SYSTEMS, WorkFrame
 
 
@@ -91,22 +92,26 @@ class WorkFacts:
     def words(self) -> str:
         """What is not plain G54, for people; else empty."""
         said = [self.system] if self.system != SYSTEMS[0] else []
-        return ", ".join((*said, *self._others()))
+        return joined(", ", (*said, *self._others()))
 
     def more(self) -> str:
         """What else there is, behind the name of the system."""
-        return "".join(f", {text}" for text in self._others())
+        return joined("", [", " + text for text in self._others()])
 
     def _others(self) -> list[str]:
-        said = []
+        said: list[str] = []
         if self.rotation_deg:
-            said.append(f"rotated by {self.rotation_deg:g} degrees")
+            said.append(
+                phrase("rotated by {rotation_deg:g} degrees", rotation_deg=self.rotation_deg)
+            )
         if self.g92:
             said.append("G92")
         if self.tool:
-            said.append(f"tool {self.tool}")
+            said.append(phrase("tool {tool}", tool=self.tool))
         if any(self.tool_offset_mm):
-            said.append(f"tool length {self.tool_length_mm:g} mm")
+            said.append(
+                phrase("tool length {tool_length_mm:g} mm", tool_length_mm=self.tool_length_mm)
+            )
         return said
 
 

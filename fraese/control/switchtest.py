@@ -12,6 +12,8 @@ Rule 2: the next one is asked for when the input is open again.
 
 from collections.abc import Sequence
 
+from fraese.phrases import phrase
+
 
 class SwitchTest:
     """The list of switches and how far it is ticked off.
@@ -82,12 +84,12 @@ class SwitchTest:
     def sentence(self) -> str:
         """What the operator should do or know now."""
         if self.stuck:
-            return (
-                "The input is closed though nothing was pressed: look for a stuck switch, a broken"
-                " wire, or a wrong switches.closed_reads."
+            return phrase(
+                "The input is closed though nothing was pressed: look for a stuck"
+                " switch, a broken wire, or a wrong switches.closed_reads."
             )
         if self._seen_now:
-            return f"Seen: {self.asked}. Let go."
+            return phrase("Seen: {asked}. Let go.", asked=self.asked)
         if self.done:
-            return f"All {len(self.names)} switches were seen."
-        return f"Press {self.asked} by hand and hold it for a moment."
+            return phrase("All {count} switches were seen.", count=len(self.names))
+        return phrase("Press {asked} by hand and hold it for a moment.", asked=self.asked)

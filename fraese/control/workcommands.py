@@ -12,6 +12,7 @@ from fraese.control.softlimits import to_steps
 from fraese.errors import StateError, UsageError
 from fraese.log import logged
 from fraese.machine import Millimetres
+from fraese.phrases import phrase
 from fraese.workframe import ACTIVE_SYSTEM, ROTATION, SYSTEMS, first_of_system, numbers
 
 #: So far the tool is lifted above work zero and present height where nobody knows the travel, mm.
@@ -29,7 +30,7 @@ def go_to_zero(controller: Controller) -> None:
     points = way_to_zero(controller)
     targets = [to_steps(controller.machine, point) for point in points]
     controller.check_moves(targets)
-    controller.start("go to work zero", lines.curve(controller.position, targets, None))
+    controller.start(phrase("go to work zero"), lines.curve(controller.position, targets, None))
 
 
 def way_to_zero(controller: Controller) -> list[Millimetres]:
@@ -64,9 +65,17 @@ def _number(controller: Controller, name: str) -> int:
         StateError: while the machine runs.
     """
     if name not in SYSTEMS:
-        raise UsageError(f"There is no work offset {name}: there are {', '.join(SYSTEMS)}.")
+        raise UsageError(
+            phrase(
+                "There is no work offset {name}: there are {systems}.",
+                name=name,
+                systems=", ".join(SYSTEMS),
+            )
+        )
     if controller.question or controller.holding:
-        raise StateError("A program waits: its work offset stays as it is; nothing was changed.")
+        raise StateError(
+            phrase("A program waits: its work offset stays as it is; nothing was changed.")
+        )
     controller.require_ready()
     return SYSTEMS.index(name) + 1
 

@@ -19,6 +19,7 @@ from fraese import log
 from fraese.control.controller import Controller
 from fraese.control.state import Status
 from fraese.errors import FraeseError
+from fraese.phrases import phrase
 
 Command = Callable[[], object]
 
@@ -153,7 +154,9 @@ class Worker:
         except Exception as error:
             log.write("worker", "_between", "error", repr(error))
             self._controller.stop()
-            self._on_refusal(f"Stopped by an error in the program: {error!r}.")
+            self._on_refusal(
+                phrase("Stopped by an error in the program: {error}.", error=repr(error))
+            )
 
     def _loop(self) -> None:
         while not self._quit:
@@ -192,7 +195,9 @@ class Worker:
         except Exception as error:
             log.write("worker", "_do", "error", repr(error))
             self._abandon(before)
-            self._on_refusal(f"Stopped by an error in the program: {error!r}.")
+            self._on_refusal(
+                phrase("Stopped by an error in the program: {error}.", error=repr(error))
+            )
 
     def _abandon(self, before: Status) -> None:
         """Whatever was raised in the middle of a run: it is ended, and the machine is free again.

@@ -10,6 +10,7 @@ import math
 from typing import Final
 
 from fraese.errors import ProgramError
+from fraese.phrases import phrase
 
 Flat = tuple[float, float]
 
@@ -39,11 +40,15 @@ def centre_by_radius(start: Flat, end: Flat, radius_mm: float, left: bool) -> Fl
     half_mm = math.hypot(dx, dy) / 2
     if half_mm < SAME_MM:
         raise ProgramError(
-            "an arc with R cannot end where it starts; give the centre by I, J or K instead"
+            phrase("an arc with R cannot end where it starts; give the centre by I, J or K instead")
         )
     if half_mm - abs(radius_mm) > NOTHING_MM:
         raise ProgramError(
-            f"radius {abs(radius_mm):.4f} mm is too small: the end is {2 * half_mm:.4f} mm away"
+            phrase(
+                "radius {radius_mm:.4f} mm is too small: the end is {half_mm:.4f} mm away",
+                radius_mm=abs(radius_mm),
+                half_mm=2 * half_mm,
+            )
         )
     height_mm = math.sqrt(max(0.0, radius_mm**2 - half_mm**2))
     # The centre of the shorter arc lies to the left of the chord if it turns left.
@@ -61,14 +66,18 @@ def check_centre(start: Flat, end: Flat, centre: Flat, unit: float) -> None:
     first_mm = math.dist(start, centre)
     last_mm = math.dist(end, centre)
     if min(first_mm, last_mm) < NOTHING_MM:
-        raise ProgramError("the arc has no radius: its centre lies on its start or its end")
+        raise ProgramError(phrase("the arc has no radius: its centre lies on its start or its end"))
     error_mm = abs(first_mm - last_mm)
     closed_mm = CLOSED_MM[unit]
     relative = error_mm / max(first_mm, last_mm)
     if error_mm > closed_mm * OPEN_FACTOR or (error_mm > closed_mm and relative > RELATIVE):
         raise ProgramError(
-            f"the arc does not close: its radius is {first_mm:.4f} mm at the start and "
-            f"{last_mm:.4f} mm at the end"
+            phrase(
+                "the arc does not close: its radius is {first_mm:.4f} mm at the start and"
+                " {last_mm:.4f} mm at the end",
+                first_mm=first_mm,
+                last_mm=last_mm,
+            )
         )
 
 

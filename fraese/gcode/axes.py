@@ -12,6 +12,7 @@ from typing import Final, NamedTuple
 
 from fraese.errors import ProgramError
 from fraese.feedway import NO_WAY, counted, groups_of, length_of
+from fraese.phrases import phrase
 from fraese.workframe import LETTERS, Point
 
 #: First and second axis of a plane, in right-handed order, and the third, about which it turns.
@@ -95,7 +96,7 @@ class Axes:
     def in_words(self) -> str:
         """All letters, for people: X, Y and Z."""
         most, last = ", ".join(self.letters[:-1].upper()), self.letters[-1].upper()
-        return f"{most} and {last}" if most else last
+        return phrase("{others} and {last}", others=most, last=last) if most else last
 
     def require(self, letter: str) -> None:
         """See that the machine has an axis.
@@ -105,7 +106,11 @@ class Axes:
         """
         if letter not in self.letters:
             raise ProgramError(
-                f"there is no axis {letter.upper()} on this machine; it has {self.in_words()}"
+                phrase(
+                    "there is no axis {letter} on this machine; it has {in_words}",
+                    letter=letter.upper(),
+                    in_words=self.in_words(),
+                )
             )
 
     def plane(self, code: int, user: str) -> Plane:
@@ -122,8 +127,14 @@ class Axes:
         for letter in (first, second):
             if letter not in self.letters:
                 raise ProgramError(
-                    f"{user} in plane G{code} needs axis {letter.upper()}, and this machine has"
-                    f" only {self.in_words()}"
+                    phrase(
+                        "{user} in plane G{code} needs axis {letter}, and this machine has"
+                        " only {in_words}",
+                        user=user,
+                        code=code,
+                        letter=letter.upper(),
+                        in_words=self.in_words(),
+                    )
                 )
         place = self.letters.index
         third = third_letter(code)
@@ -139,8 +150,14 @@ class Axes:
         letter = third_letter(code)
         if letter not in self.letters:
             raise ProgramError(
-                f"{user} in plane G{code} works along axis {letter.upper()}, and this machine has"
-                f" only {self.in_words()}"
+                phrase(
+                    "{user} in plane G{code} works along axis {letter}, and this machine has"
+                    " only {in_words}",
+                    user=user,
+                    code=code,
+                    letter=letter.upper(),
+                    in_words=self.in_words(),
+                )
             )
         return self.letters.index(letter)
 

@@ -22,6 +22,7 @@ from fraese.gcode.canon import End, Feed, Move
 from fraese.gcode.expressions import MAX_VALUE
 from fraese.gcode.setup import Setup
 from fraese.gcode.text import MAX_LINE
+from fraese.phrases import phrase
 from fraese.workframe import LETTERS, Point, WorkFrame
 
 UNITS_MM: Final = {"mm": 1.0, "millimetre": 1.0, "millimeter": 1.0, "inch": 25.4, "in": 25.4}
@@ -95,7 +96,9 @@ class _Reader:
 
     def line(self, number: int, text: str) -> Iterator[Move]:
         if len(text) > MAX_LINE:
-            raise ProgramError(f"the line is longer than {MAX_LINE} characters")
+            raise ProgramError(
+                phrase("the line is longer than {max_line} characters", max_line=MAX_LINE)
+            )
         data, _, comment = text.removeprefix("\ufeff").partition("#")
         if unit := _UNIT.search(comment):
             self._unit_mm = _unit_mm(unit.group(1))
@@ -110,7 +113,9 @@ class _Reader:
         before = self._at
         self._take(data)
         if self._feed <= 0:
-            raise ProgramError("there is no feed: add a feed column, or give a feed for the file")
+            raise ProgramError(
+                phrase("there is no feed: add a feed column, or give a feed for the file")
+            )
         is_angle = self._axes.way(before, self._at).is_angle
         feed = self._feed * (1.0 if is_angle else self._feed_unit_mm)
         yield Feed(number, self._frame.to_machine(self._at), feed)
@@ -128,7 +133,10 @@ class _Reader:
         if len(set(names)) != len(names):
             columns = ", ".join(self._axes.letters)
             raise ProgramError(
-                f"the header has to name columns out of {columns} and feed, each once"
+                phrase(
+                    "the header has to name columns out of {columns} and feed, each once",
+                    columns=columns,
+                )
             )
         return names
 
@@ -138,7 +146,11 @@ class _Reader:
             cells.pop()
         if len(cells) > len(self._columns):
             said = ", ".join(self._columns)
-            raise ProgramError(f"{len(cells)} values stand where {said} are expected")
+            raise ProgramError(
+                phrase(
+                    "{count} values stand where {said} are expected", count=len(cells), said=said
+                )
+            )
         values = {
             name: self._number(cell)
             for name, cell in zip(self._columns, cells, strict=False)
@@ -152,13 +164,15 @@ class _Reader:
         text = cell if self._separator == "," else cell.replace(",", ".")
         value = float(text) if _NUMBER.fullmatch(text) else MAX_VALUE * 10
         if not abs(value) <= MAX_VALUE:
-            raise ProgramError(f"{cell[:40]!r} is not a number")
+            raise ProgramError(phrase("{cell} is not a number", cell=repr(cell[:40])))
         return value
 
 
 def _unit_mm(unit: str) -> float:
     if unit.lower() not in UNITS_MM:
-        raise ProgramError(f"the unit {unit[:20]!r} is unknown; it is mm or inch")
+        raise ProgramError(
+            phrase("the unit {unit} is unknown; it is mm or inch", unit=repr(unit[:20]))
+        )
     return UNITS_MM[unit.lower()]
 
 

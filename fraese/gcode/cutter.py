@@ -29,6 +29,7 @@ from fraese.gcode.outline import (
     line,
 )
 from fraese.gcode.position import Position
+from fraese.phrases import phrase
 from fraese.workframe import Point, WorkFrame
 
 Motion = Rapid | Feed | Arc
@@ -40,7 +41,7 @@ ORIENTATIONS: Final[tuple[Flat, ...]] = (
 )  # fmt: skip
 #: By so much an inside corner may lengthen an arc instead of shortening it, rad.
 _ROUNDING: Final = 1e-6
-_GOUGES: Final = "the cutter cannot go through this inside corner without gouging"
+_GOUGES: Final = phrase("the cutter cannot go through this inside corner without gouging")
 
 
 class Side(NamedTuple):
@@ -108,13 +109,15 @@ class Cutter:
         position = self._position
         self._plane = position.modal.plane
         if self.side is not None:
-            raise ProgramError("cutter compensation is on already; end it with G40 before")
+            raise ProgramError(phrase("cutter compensation is on already; end it with G40 before"))
         if self._plane == 19:
-            raise ProgramError("cutter compensation is of the planes G17 and G18")
+            raise ProgramError(phrase("cutter compensation is of the planes G17 and G18"))
         self._frame = position.coordinates.frame
         if self._frame.is_rotated and self._plane != 17:
-            raise ProgramError("a rotated coordinate system allows compensation in G17 only")
-        self._axes = position.axes.plane(self._plane, "cutter compensation")
+            raise ProgramError(
+                phrase("a rotated coordinate system allows compensation in G17 only")
+            )
+        self._axes = position.axes.plane(self._plane, phrase("cutter compensation"))
         self._at = self._out = position.machine
         self.side = side
 
@@ -156,7 +159,7 @@ class Cutter:
 
     def _back(self, move: Motion) -> Motion:
         if self._is_beside and isinstance(move, Arc):
-            raise ProgramError("behind G40 the first move has to be straight: G0 or G1")
+            raise ProgramError(phrase("behind G40 the first move has to be straight: G0 or G1"))
         self._is_beside = False
         return move
 
@@ -165,7 +168,7 @@ class Cutter:
     def _take(self, move: Motion) -> Iterator[Move]:
         position = self._position
         if position.coordinates.frame != self._frame or position.modal.plane != self._plane:
-            raise ProgramError("plane and offsets must stay as they are under compensation")
+            raise ProgramError(phrase("plane and offsets must stay as they are under compensation"))
         start, end = self._flat(self._at), self._flat(move.to)
         self._at = move.to
         if isinstance(move, Arc):
@@ -174,8 +177,11 @@ class Cutter:
             course = line(start, end)
         elif self._waiting is None:
             raise ProgramError(
-                f"the way to the path has to be longer than the cutter's radius,"
-                f" {abs(self._distance_mm):g} mm; this move does not go across at all"
+                phrase(
+                    "the way to the path has to be longer than the cutter's radius,"
+                    " {distance_mm:g} mm; this move does not go across at all",
+                    distance_mm=abs(self._distance_mm),
+                )
             )
         else:
             self._behind.append(move)
@@ -196,15 +202,22 @@ class Cutter:
         to = beside(end, course.heading(end), distance_mm)
         if math.dist(start, end) <= radius_mm:
             raise ProgramError(
-                f"the way to the path has to be longer than the cutter's radius, {radius_mm:g} mm"
+                phrase(
+                    "the way to the path has to be longer than the cutter's radius,"
+                    " {radius_mm:g} mm",
+                    radius_mm=radius_mm,
+                )
             )
         if isinstance(move, Arc):
             is_wide = course.beside(distance_mm).radius_mm > SAME_MM
             centre = entry_centre(start, to, move.centre) if is_wide else None
             if centre is None:
                 raise ProgramError(
-                    f"no such arc leads from here to the path for a cutter of radius"
-                    f" {radius_mm:g} mm; begin farther away, or with a straight move"
+                    phrase(
+                        "no such arc leads from here to the path for a cutter of radius"
+                        " {radius_mm:g} mm; begin farther away, or with a straight move",
+                        radius_mm=radius_mm,
+                    )
                 )
             move = replace(move, centre=centre)
             course = course._replace(at=centre, radius_mm=math.dist(centre, to))
@@ -220,8 +233,12 @@ class Cutter:
         beside_it = course.beside(distance_mm)
         if course.radius_mm and beside_it.radius_mm < SAME_MM:
             raise ProgramError(
-                f"the arc of radius {course.radius_mm:g} mm is too narrow for the cutter's radius,"
-                f" {abs(distance_mm):g} mm"
+                phrase(
+                    "the arc of radius {radius_mm:g} mm is too narrow for the cutter's"
+                    " radius, {distance_mm:g} mm",
+                    radius_mm=course.radius_mm,
+                    distance_mm=abs(distance_mm),
+                )
             )
         heading = course.heading(start)
         begin = full = beside(start, heading, distance_mm)

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from fraese.errors import ProgramError
+from fraese.phrases import phrase
 
 # How far above the last depth a rapid plunge of G83 ends, and how far G73 backs off: 0.01 inch.
 CLEARANCE_MM: Final = 0.254
@@ -129,25 +130,27 @@ STROKES: Final[dict[int, Callable[[Hole], Iterator[Stroke]]]] = {
 
 # Which way the spindle has to turn; the other way, or not at all, is an error.
 TURNS: Final[dict[int, tuple[tuple[int, ...], str]]] = {
-    740: ((-1,), "G74 taps a left-hand thread and needs a spindle that turns by M4"),
-    840: ((1,), "G84 taps a right-hand thread and needs a spindle that turns by M3"),
-    860: ((-1, 1), "G86 needs a turning spindle: start it with M3 or M4"),
+    740: ((-1,), phrase("G74 taps a left-hand thread and needs a spindle that turns by M4")),
+    840: ((1,), phrase("G84 taps a right-hand thread and needs a spindle that turns by M3")),
+    860: ((-1, 1), phrase("G86 needs a turning spindle: start it with M3 or M4")),
 }
 
 
 def _dwell(hole: Hole) -> float:
     if hole.dwell_s is None:
-        raise ProgramError("this canned cycle needs a P word: the time at the bottom in seconds")
+        raise ProgramError(
+            phrase("this canned cycle needs a P word: the time at the bottom in seconds")
+        )
     if hole.dwell_s < 0:
-        raise ProgramError("the P word of a canned cycle must not be negative")
+        raise ProgramError(phrase("the P word of a canned cycle must not be negative"))
     return hole.dwell_s
 
 
 def _peck_depth(hole: Hole) -> float:
     if hole.peck_mm is None:
-        raise ProgramError("this canned cycle needs a Q word: the depth of one peck")
+        raise ProgramError(phrase("this canned cycle needs a Q word: the depth of one peck"))
     if hole.peck_mm <= 0:
-        raise ProgramError("the Q word of a canned cycle has to be greater than 0")
+        raise ProgramError(phrase("the Q word of a canned cycle has to be greater than 0"))
     if (hole.r_mm - hole.bottom_mm) / hole.peck_mm > 1e5:
-        raise ProgramError("the Q word of the canned cycle asks for more than 100000 pecks")
+        raise ProgramError(phrase("the Q word of the canned cycle asks for more than 100000 pecks"))
     return hole.peck_mm

@@ -20,6 +20,7 @@ from fraese.gcode.cycles import Hole, Sticky, Stroke
 from fraese.gcode.modal import name
 from fraese.gcode.position import Position
 from fraese.gcode.words import Block
+from fraese.phrases import phrase
 
 MAX_REPEATS: Final = 100_000
 # What a stroke does to the spindle's direction.
@@ -49,12 +50,18 @@ class Drilling:
         code = cast(int, block.motion)
         third = self._position.axes.third(self._modal.plane, name(code))
         if not block.has_axes:
-            raise ProgramError(f"{name(code)} needs an axis word")
+            raise ProgramError(phrase("{name} needs an axis word", name=name(code)))
         for letter in "abcuvw":
             if letter in block.words:
-                raise ProgramError(f"{name(code)} is of X, Y and Z; move {letter.upper()} before")
+                raise ProgramError(
+                    phrase(
+                        "{name} is of X, Y and Z; move {letter} before",
+                        name=name(code),
+                        letter=letter.upper(),
+                    )
+                )
         if self._modal.inverse_time:
-            raise ProgramError("canned cycles are not possible in G93; use G94")
+            raise ProgramError(phrase("canned cycles are not possible in G93; use G94"))
         self._position.feed_for(block, Way(0.0, False), code)
         if self._sticky is None:
             self._old_height_mm = self._position.at[third]
@@ -64,24 +71,35 @@ class Drilling:
         hole = self._hole(sticky)
         count = round(block.words.get("l", 1.0))
         if count > MAX_REPEATS:
-            raise ProgramError(f"a canned cycle is repeated at most {MAX_REPEATS} times")
+            raise ProgramError(
+                phrase(
+                    "a canned cycle is repeated at most {max_repeats} times",
+                    max_repeats=MAX_REPEATS,
+                )
+            )
         return self._holes(block, hole, third, count)
 
     def _hole(self, sticky: Sticky) -> Hole:
         """Heights of the hole from the words in force."""
         modal = self._modal
         if sticky.r is None:
-            raise ProgramError("the canned cycle needs an R word: the height where drilling starts")
+            raise ProgramError(
+                phrase("the canned cycle needs an R word: the height where drilling starts")
+            )
         if sticky.depth is None:
             letter = third_letter(modal.plane).upper()
-            raise ProgramError(f"the canned cycle needs a {letter} word: the bottom of the hole")
+            raise ProgramError(
+                phrase(
+                    "the canned cycle needs a {letter} word: the bottom of the hole", letter=letter
+                )
+            )
         r_mm = sticky.r * modal.scale_mm
         bottom_mm = sticky.depth * modal.scale_mm
         if not modal.absolute:
             r_mm += self._old_height_mm
             bottom_mm += r_mm
         if bottom_mm > r_mm:
-            raise ProgramError("the bottom of the canned cycle lies above its R height")
+            raise ProgramError(phrase("the bottom of the canned cycle lies above its R height"))
         clear_mm = max(r_mm, self._old_height_mm) if modal.retract_to_start else r_mm
         peck_mm = None if sticky.q is None else sticky.q * modal.scale_mm
         return Hole(r_mm, bottom_mm, clear_mm, peck_mm, sticky.p)

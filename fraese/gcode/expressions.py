@@ -14,6 +14,7 @@ from typing import Final
 
 from fraese.errors import ProgramError
 from fraese.gcode.parameters import MAX_INDEX, Parameters
+from fraese.phrases import phrase
 
 MAX_DEPTH: Final = 60
 # Far beyond any machine, and far from where squares overflow.
@@ -21,6 +22,10 @@ MAX_VALUE: Final = 1e40
 # How far from a whole number an index or a count may be.
 WHOLE: Final = 1e-4
 EQUAL: Final = 1e-4
+
+# What a line that is right never shows is made once.
+_EXPRESSION: Final = phrase("the expression")
+_INDEX: Final = phrase("the number of a parameter")
 
 _NUMBER = re.compile(r"[0-9.]+")
 _NAME = re.compile(r"<([^<>]*)>")
@@ -30,21 +35,21 @@ _FUNCTION = re.compile(r"atan|abs|acos|asin|cos|exp|fix|fup|ln|round|sin|sqrt|ta
 
 def _divide(a: float, b: float) -> float:
     if b == 0:
-        raise ProgramError("division by zero")
+        raise ProgramError(phrase("division by zero"))
     return a / b
 
 
 def _power(a: float, b: float) -> float:
     if a < 0 and b != math.floor(b):
-        raise ProgramError("a negative number cannot be raised to a broken power")
+        raise ProgramError(phrase("a negative number cannot be raised to a broken power"))
     if a == 0 and b < 0:
-        raise ProgramError("division by zero: zero cannot be raised to a negative power")
+        raise ProgramError(phrase("division by zero: zero cannot be raised to a negative power"))
     return float(a**b)
 
 
 def _modulo(a: float, b: float) -> float:
     if b == 0:
-        raise ProgramError("division by zero in MOD")
+        raise ProgramError(phrase("division by zero in MOD"))
     # Adding nothing makes -0 a plain 0.
     rest = math.fmod(a, b) + 0.0
     return rest + abs(b) if rest < 0 else rest
@@ -75,7 +80,7 @@ def _domain(function: Binary | Callable[[float], float], said: str) -> Callable[
         try:
             return function(a)  # type: ignore[call-arg]
         except ValueError:
-            raise ProgramError(f"{said} of {a:g} does not exist") from None
+            raise ProgramError(phrase("{said} of {a:g} does not exist", said=said, a=a)) from None
 
     return guarded
 
@@ -105,7 +110,9 @@ def whole(value: float, said: str) -> int:
     """
     number = round(value)
     if abs(value - number) > WHOLE:
-        raise ProgramError(f"{said} has to be a whole number, not {value:g}")
+        raise ProgramError(
+            phrase("{said} has to be a whole number, not {value:g}", said=said, value=value)
+        )
     return number
 
 
@@ -135,8 +142,15 @@ class Reader:
             ProgramError: it is not.
         """
         if self.peek() != character:
-            found = f"{self.peek()!r}" if self.peek() else "the line ends"
-            raise ProgramError(f"{character!r} is missing after {after} ({found} instead)")
+            found = f"{self.peek()!r}" if self.peek() else phrase("the line ends")
+            raise ProgramError(
+                phrase(
+                    "{character} is missing after {after} ({found} instead)",
+                    character=repr(character),
+                    after=after,
+                    found=found,
+                )
+            )
         self.at += 1
 
     def value(self) -> float:
@@ -151,7 +165,7 @@ class Reader:
             self.at += 1
         value = self._unsigned(sign)
         if not -MAX_VALUE <= value <= MAX_VALUE:
-            raise ProgramError("the value of the expression is too large")
+            raise ProgramError(phrase("the value of the expression is too large"))
         return -value if negative else value
 
     def _unsigned(self, first: str) -> float:
@@ -166,10 +180,14 @@ class Reader:
     def _number(self) -> float:
         match = _NUMBER.match(self.text, self.at)
         if match is None:
-            found = f"{self.peek()!r}" if self.peek() else "the end of the line"
+            found = f"{self.peek()!r}" if self.peek() else phrase("the end of the line")
             behind = self.text[self.at - 1 : self.at].upper()
-            between = f"between {behind!r} and {found}" if behind else f"before {found}"
-            raise ProgramError(f"a number is missing {between}")
+            between = (
+                phrase("between {behind} and {found}", behind=repr(behind), found=found)
+                if behind
+                else phrase("before {found}", found=found)
+            )
+            raise ProgramError(phrase("a number is missing {between}", between=between))
         self.at = match.end()
         return number(match.group())
 
@@ -181,10 +199,12 @@ class Reader:
         """
         self._depth += 1
         if self._depth > MAX_DEPTH:
-            raise ProgramError(f"brackets are nested more than {MAX_DEPTH} deep")
+            raise ProgramError(
+                phrase("brackets are nested more than {max_depth} deep", max_depth=MAX_DEPTH)
+            )
         self.take("[", "this")
         value = self._binary(self.value(), 1)
-        self.take("]", "the expression")
+        self.take("]", _EXPRESSION)
         self._depth -= 1
         return value
 
@@ -204,7 +224,7 @@ class Reader:
         if match is not None:
             return match.group()
         if self.peek() not in ("]", ""):
-            raise ProgramError(f"{self.rest()[:8]!r} is not an operator")
+            raise ProgramError(phrase("{rest} is not an operator", rest=repr(self.rest()[:8])))
         return ""
 
     def parameter(self) -> float:
@@ -218,7 +238,7 @@ class Reader:
             return self._parameters.get(key)
         value = self._parameters.find(key)
         if value is None:
-            raise ProgramError(f"#<{key}> has not been set")
+            raise ProgramError(phrase("#<{key}> has not been set", key=key))
         return value
 
     def parameter_key(self) -> int | str:
@@ -233,8 +253,10 @@ class Reader:
         # Indices may nest as deeply as brackets: ##1, #[#2+1].
         self._depth += 1
         if self._depth > MAX_DEPTH:
-            raise ProgramError(f"parameters are nested more than {MAX_DEPTH} deep")
-        index = whole(self.value(), "the number of a parameter")
+            raise ProgramError(
+                phrase("parameters are nested more than {max_depth} deep", max_depth=MAX_DEPTH)
+            )
+        index = whole(self.value(), _INDEX)
         self._depth -= 1
         return index
 
@@ -246,28 +268,30 @@ class Reader:
         """
         match = _NAME.match(self.text, self.at)
         if match is None or not match.group(1):
-            raise ProgramError("a name in angle brackets is empty or not closed")
+            raise ProgramError(phrase("a name in angle brackets is empty or not closed"))
         self.at = match.end()
         return match.group(1)
 
     def _function(self) -> float:
         match = _FUNCTION.match(self.text, self.at)
         if match is None:
-            raise ProgramError(f"{self.rest()[:8]!r} is neither a number nor a function")
+            raise ProgramError(
+                phrase("{rest} is neither a number nor a function", rest=repr(self.rest()[:8]))
+            )
         self.at = match.end()
         name = match.group()
         if name == "exists":
             return self._exists()
         argument = self.expression()
         if name == "atan":
-            self.take("/", "the first argument of atan")
+            self.take("/", phrase("the first argument of atan"))
             return math.degrees(math.atan2(argument, self.expression()))
         return _computed(lambda a, _: FUNCTIONS[name](a), argument, 0.0)
 
     def _exists(self) -> float:
         self.take("[", "exists")
         key = self.parameter_key()
-        self.take("]", "the parameter of exists")
+        self.take("]", phrase("the parameter of exists"))
         if isinstance(key, int):
             return float(1 <= key <= MAX_INDEX)
         return float(self._parameters.find(key) is not None)
@@ -282,9 +306,9 @@ def number(text: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        raise ProgramError(f"{text[:40]!r} is not a number") from None
+        raise ProgramError(phrase("{text} is not a number", text=repr(text[:40]))) from None
     if not -MAX_VALUE <= value <= MAX_VALUE:
-        raise ProgramError(f"{text[:20]}... is too large")
+        raise ProgramError(phrase("{text}... is too large", text=text[:20]))
     return value
 
 
@@ -292,7 +316,7 @@ def _computed(operate: Binary, left: float, right: float) -> float:
     try:
         value = operate(left, right)
     except OverflowError:
-        raise ProgramError("the value of the expression is too large") from None
+        raise ProgramError(phrase("the value of the expression is too large")) from None
     if not math.isfinite(value):
-        raise ProgramError("the value of the expression is too large")
+        raise ProgramError(phrase("the value of the expression is too large"))
     return value

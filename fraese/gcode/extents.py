@@ -4,6 +4,7 @@ import math
 
 from fraese.gcode.axes import Axes
 from fraese.gcode.canon import Arc
+from fraese.phrases import phrase
 from fraese.workframe import Point
 
 _QUARTER = math.pi / 2
@@ -17,7 +18,7 @@ def arc_extent(start: Point, arc: Arc, axes: Axes) -> tuple[Point, Point, float]
         arc: the rest of it; a slight spiral counts with its larger radius.
         axes: of the machine.
     """
-    first, second, third = axes.plane(arc.plane, "an arc")
+    first, second, third = axes.plane(arc.plane, phrase("an arc"))
     from_a, from_b = start[first] - arc.centre[0], start[second] - arc.centre[1]
     to_a, to_b = arc.to[first] - arc.centre[0], arc.to[second] - arc.centre[1]
     radius_mm = max(math.hypot(from_a, from_b), math.hypot(to_a, to_b))

@@ -10,6 +10,7 @@ from typing import Final
 
 from fraese.errors import ProgramError
 from fraese.gcode import expressions
+from fraese.phrases import phrase
 
 _REMARKS: Final = re.compile(r"\([^()]*\)?|;.*")
 _BRACKETS: Final = re.compile(r"\[.*\]|(?<=[#oO])<[^<>]*>")
@@ -50,11 +51,11 @@ def explained(line: str, error: ProgramError) -> ProgramError:
 
 def _other_controls(text: str) -> str:
     if _BRANCH.match(text):
-        return "IF, WHILE, GOTO and END are not known without O: o<name> if [...]"
+        return phrase("IF, WHILE, GOTO and END are not known without O: o<name> if [...]")
     if _GRBL.match(text):
-        return "'$' without a number is a command to grbl, not a line of a program"
+        return phrase("'$' without a number is a command to grbl, not a line of a program")
     if text.startswith("%"):
-        return "'%' stands alone on its line, before the program and behind it"
+        return phrase("'%' stands alone on its line, before the program and behind it")
     return ""
 
 
@@ -64,35 +65,38 @@ def _exponent(text: str) -> str:
         return ""
     value = float(found.group())
     written = f"{value:.6f}".rstrip("0").rstrip(".")
-    return (
-        f"{found.group()!r} is a number with an exponent, which the language has not;"
-        f" write it out: {written}"
+    return phrase(
+        "{group} is a number with an exponent, which the language has not; write it out: {written}",
+        group=repr(found.group()),
+        written=written,
     )
 
 
 def _extruder(text: str) -> str:
     if not _EXTRUDER.search(text):
         return ""
-    return "E is the extruder of a 3D printer; a program for a mill has no E word"
+    return phrase("E is the extruder of a 3D printer; a program for a mill has no E word")
 
 
 def _comma(text: str) -> str:
     found = _COMMA.search(text)
-    return "" if found is None else "there is a comma in a number; write a point, as in X0.5"
+    return (
+        "" if found is None else phrase("there is a comma in a number; write a point, as in X0.5")
+    )
 
 
 def _remark(text: str) -> str:
     if not _REMARK.search(text):
         return ""
-    return "a remark stands in brackets, (like this), or behind a semicolon"
+    return phrase("a remark stands in brackets, (like this), or behind a semicolon")
 
 
 def _list(text: str) -> str:
     if not _LIST.fullmatch(text):
         return ""
-    return (
-        "there are numbers without letters; a list of points is a file whose name ends in"
-        " .csv, .tsv, .xyz or .pts"
+    return phrase(
+        "there are numbers without letters; a list of points is a file whose name ends"
+        " in .csv, .tsv, .xyz or .pts"
     )
 
 
@@ -101,14 +105,15 @@ def _prose(text: str) -> str:
     first = text[:1]
     is_letter = first.isascii() and (first.isalnum() or first in _FIRST)
     if first and (not is_letter or (strange and strange[0].start() == 0)):
-        return (
-            f"{_short(text)!r} is no G-code; a line is words such as G1 X10 F200, and a remark"
-            " stands in brackets or behind a semicolon"
+        return phrase(
+            "{short} is no G-code; a line is words such as G1 X10 F200, and a remark"
+            " stands in brackets or behind a semicolon",
+            short=repr(_short(text)),
         )
     if strange:
-        return (
-            f"{_short(strange[0].group())!r} is no word of G-code; a word is one letter and a"
-            " number, as X10"
+        return phrase(
+            "{short} is no word of G-code; a word is one letter and a number, as X10",
+            short=repr(_short(strange[0].group())),
         )
     return ""
 

@@ -14,6 +14,7 @@ from fraese.gcode.offsets import HOMES
 from fraese.gcode.position import Position
 from fraese.gcode.setup import ToolData
 from fraese.gcode.words import Block
+from fraese.phrases import phrase
 from fraese.workframe import G92_OFFSET, Point
 
 # The system whose offset G10 L11 measures against.
@@ -75,7 +76,7 @@ class Frames:
             ProgramError: there is no H word, or no such tool.
         """
         if "h" not in block.words:
-            raise ProgramError("G43.2 needs an H word")
+            raise ProgramError(phrase("G43.2 needs an H word"))
         old, more = self._coordinates.frame.tool, self._offset_of(block)
         self.set_tool_offset(tuple(a + b for a, b in zip(old, more, strict=True)))
 
@@ -85,9 +86,9 @@ class Frames:
 
     def _offset_of(self, block: Block) -> Point:
         word = block.words.get("h")
-        number = 0 if word is None else whole(word, "the H word")
+        number = 0 if word is None else whole(word, phrase("the H word"))
         if number < 0:
-            raise ProgramError("the H word must not be negative")
+            raise ProgramError(phrase("the H word must not be negative"))
         # H0 is whatever is in the spindle.
         number = number or self._modal.tool
         self.check_tool(number)
@@ -100,9 +101,9 @@ class Frames:
             ProgramError: it is negative, or the tool table does not know it.
         """
         if number < 0:
-            raise ProgramError("a tool number must not be negative")
+            raise ProgramError(phrase("a tool number must not be negative"))
         if number and not self._any_tool and number not in self._tools:
-            raise ProgramError(f"tool {number} is not in the tool table")
+            raise ProgramError(phrase("tool {number} is not in the tool table", number=number))
 
     def put_in(self, number: int) -> None:
         """A tool is in the spindle; so it is for the next program."""
@@ -124,8 +125,11 @@ class Frames:
         """
         if self._any_tool and number not in self._tools:
             raise ProgramError(
-                f"{user} needs the diameter of a tool, and there is no tool table; give the"
-                f" diameter itself by {user}.1 D"
+                phrase(
+                    "{user} needs the diameter of a tool, and there is no tool table; give"
+                    " the diameter itself by {user}.1 D",
+                    user=user,
+                )
             )
         self.check_tool(number)
         return self.tool_data(number).diameter_mm
@@ -145,16 +149,18 @@ class Frames:
         kind = block.words.get("l")
         handler = None if kind is None else _G10.get(whole(kind, "the L word"))
         if handler is None:
-            raise ProgramError("G10 needs L1, L2, L10, L11 or L20")
+            raise ProgramError(phrase("G10 needs L1, L2, L10, L11 or L20"))
         handler(self, block)
         return ()
 
     def _system_word(self, block: Block) -> int:
         if "i" in block.words or "j" in block.words:
-            raise ProgramError("G10 L2 and L20 take no I and J words")
-        number = whole(block.words.get("p", -1.0), "the P word of G10")
+            raise ProgramError(phrase("G10 L2 and L20 take no I and J words"))
+        number = whole(block.words.get("p", -1.0), phrase("the P word of G10"))
         if not 0 <= number <= 9:
-            raise ProgramError("G10 needs P0 for the active system, or P1 (G54) to P9 (G59.3)")
+            raise ProgramError(
+                phrase("G10 needs P0 for the active system, or P1 (G54) to P9 (G59.3)")
+            )
         return number or self._coordinates.frame.system
 
     def _set_system(self, block: Block) -> None:
@@ -168,7 +174,7 @@ class Frames:
 
     def _set_system_here(self, block: Block) -> None:
         if "r" in block.words:
-            raise ProgramError("G10 L20 takes no R word; use G10 L2 to rotate")
+            raise ProgramError(phrase("G10 L20 takes no R word; use G10 L2 to rotate"))
         system = self._system_word(block)
         frame = self._coordinates.of_system(system)
         wanted = self._position.given(block, self._position.at)
@@ -182,9 +188,9 @@ class Frames:
         self.shift(lambda: self._coordinates.set_system(system, values, None))
 
     def _tool_word(self, block: Block) -> int:
-        number = whole(block.words.get("p", 0.0), "the P word of G10")
+        number = whole(block.words.get("p", 0.0), phrase("the P word of G10"))
         if number < 1:
-            raise ProgramError("G10 needs a P word: the number of the tool")
+            raise ProgramError(phrase("G10 needs a P word: the number of the tool"))
         self.check_tool(number)
         return number
 
@@ -236,7 +242,7 @@ class Frames:
 
     def _g92(self, code: int, block: Block) -> Iterable[Move]:
         if not block.has_axes:
-            raise ProgramError("G92 needs an axis word")
+            raise ProgramError(phrase("G92 needs an axis word"))
         position = self._position
         at = position.at
         wanted = self._position.given(block, at)
@@ -247,7 +253,7 @@ class Frames:
 
     def _g52(self, code: int, block: Block) -> Iterable[Move]:
         if not block.has_axes:
-            raise ProgramError("G52 needs an axis word")
+            raise ProgramError(phrase("G52 needs an axis word"))
         offset = self._position.given(block, self._coordinates.frame.g92)
         self.shift(lambda: self._coordinates.set_g92(offset, active=True))
         return ()

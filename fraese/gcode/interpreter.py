@@ -41,6 +41,7 @@ from fraese.gcode.setup import Setup
 from fraese.gcode.source import Source
 from fraese.gcode.text import MAX_LINE
 from fraese.gcode.words import Block, BlockReader
+from fraese.phrases import phrase
 from fraese.workframe import Point, WorkFrame
 
 #: Told of a line that is refused; whether the program is read on behind it.
@@ -198,7 +199,9 @@ class Interpreter:
     def _line(self, text: str) -> Moves:
         """Read a line and carry it out; nothing for an empty one."""
         if len(text) > MAX_LINE:
-            raise ProgramError(f"the line is longer than {MAX_LINE} characters")
+            raise ProgramError(
+                phrase("the line is longer than {max_line} characters", max_line=MAX_LINE)
+            )
         comment = ""
         if "(" in text or ";" in text:
             text, comment = words.strip_comments(text)
@@ -267,7 +270,9 @@ class Interpreter:
         if block.comment:
             yield from self._message(block.comment)
         for letter in block.absent.upper():
-            said = f"{letter}0 is passed over: this machine has no axis {letter}"
+            said = phrase(
+                "{letter}0 is passed over: this machine has no axis {letter}", letter=letter
+            )
             yield from self._notes.once(self._motion.line, said)
         present = {**block.words, **block.codes}
         for entry in ORDER:
@@ -285,8 +290,10 @@ class Interpreter:
             if facts.parameters and self._cutter.acts:
                 # A move that was read already waits with the offsets of before.
                 raise ProgramError(
-                    "work offsets were changed by hand while cutter compensation was on: end it"
-                    " (G40) before a stop at which a tool is touched off"
+                    phrase(
+                        "work offsets were changed by hand while cutter compensation was on:"
+                        " end it (G40) before a stop at which a tool is touched off"
+                    )
                 )
             self._motion.coordinates.take_up(facts.parameters)
             if not self._cutter.acts:

@@ -8,6 +8,7 @@ from fraese.gcode.expressions import Reader, whole
 from fraese.gcode.parameters import Parameters
 from fraese.gcode.subroutines import PROGRAM_NUMBER
 from fraese.gcode.words import plain
+from fraese.phrases import phrase
 
 # A line that calls a numbered subprogram or ends it.
 SUBPROGRAM: Final = re.compile(r"m9[89](?![0-9.])")
@@ -44,12 +45,14 @@ class LabelReader:
         if reader.peek() == "<":
             name = reader.name()
         else:
-            name = str(whole(reader.value(), "the number of an O-word"))
+            name = str(whole(reader.value(), phrase("the number of an O-word")))
         if not reader.rest().strip("("):
             return OWord(name, PROGRAM_NUMBER, "")
         match = _KEYWORD.match(text, reader.at)
         if match is None:
-            raise ProgramError(f"o<{name}> needs a known word behind it, such as sub, call or if")
+            raise ProgramError(
+                phrase("o<{name}> needs a known word behind it, such as sub, call or if", name=name)
+            )
         return OWord(name, match.group(), text[match.end() :].rstrip("("))
 
     def expressions(self, word: OWord) -> list[float]:
@@ -69,7 +72,12 @@ class LabelReader:
                 values.append(reader.expression())
         if reader.peek():
             raise ProgramError(
-                f"{reader.rest()[:8]!r} cannot stand behind o<{word.name}> {word.keyword}"
+                phrase(
+                    "{rest} cannot stand behind o<{name}> {keyword}",
+                    rest=repr(reader.rest()[:8]),
+                    name=word.name,
+                    keyword=word.keyword,
+                )
             )
         return values
 
@@ -81,7 +89,9 @@ class LabelReader:
         """
         values = self.expressions(word)
         if len(values) != 1:
-            raise ProgramError(f"{word.keyword} needs one expression in square brackets")
+            raise ProgramError(
+                phrase("{keyword} needs one expression in square brackets", keyword=word.keyword)
+            )
         return values[0]
 
     def condition(self, word: OWord) -> bool:

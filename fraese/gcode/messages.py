@@ -12,6 +12,7 @@ from typing import Final, Literal
 from fraese.errors import ProgramError
 from fraese.gcode.canon import Message
 from fraese.gcode.parameters import Parameters
+from fraese.phrases import phrase
 
 Kind = Literal["msg", "debug", "print"]
 # 0 in this parameter silences DEBUG.
@@ -48,7 +49,11 @@ def read(comment: str, parameters: Parameters) -> tuple[Kind, str] | None:
     """
     abort = _ABORT.match(comment)
     if abort is not None:
-        raise ProgramError(f"the program aborts itself: {_filled(abort[1], parameters).strip()}")
+        raise ProgramError(
+            phrase(
+                "the program aborts itself: {filled}", filled=_filled(abort[1], parameters).strip()
+            )
+        )
     match = _ACTIVE.match(comment)
     if match is None:
         return None

@@ -10,6 +10,7 @@ from typing import Final
 
 from fraese.errors import ProgramError
 from fraese.gcode.canon import PathMode, Plane
+from fraese.phrases import phrase
 
 # group -> codes in tenths
 G_GROUPS: Final[dict[str, tuple[int, ...]]] = {
@@ -43,32 +44,32 @@ M_GROUPS: Final[dict[str, tuple[int, ...]]] = {
 }
 # What a three-axis mill without feedback cannot honour, with the reason that the user reads.
 G_REFUSED: Final[dict[int, str]] = {
-    50: "splines are not supported; approximate them by G1, G2 and G3",
-    51: "splines are not supported; approximate them by G1, G2 and G3",
-    52: "NURBS are not supported; approximate them by G1, G2 and G3",
-    53: "NURBS are not supported; approximate them by G1, G2 and G3",
-    70: "the lathe's diameter mode is not supported on a mill; program radii (G8)",
-    121: "polar interpolation is not supported; let the CAM program write X and Y",
-    160: "polar coordinates are written with @ and ^ here",
-    330: "motion synchronised with the spindle needs a spindle encoder, and there is none",
-    331: "rigid tapping needs a spindle encoder, and there is none",
-    510: "scaling is not supported; let the CAM program scale",
-    511: "mirroring is not supported; let the CAM program mirror",
-    541: "there are nine work coordinate systems here, G54 to G59, G59.1, G59.2 and G59.3",
-    660: "macros by G66 are not supported; call a subroutine by M98 or o<name> call",
-    680: "a work coordinate system is turned by G10 L2 R here",
-    720: "it is a lathe's cycle",
-    760: "threading needs a spindle encoder, and there is none",
-    870: "back boring needs an oriented spindle, and there is none",
-    880: "boring with manual retract is not supported; use G86 or G89",
-    950: "feed per revolution needs a spindle encoder, and there is none; use G94",
-    960: "constant surface speed is not supported; use G97 and S",
+    50: phrase("splines are not supported; approximate them by G1, G2 and G3"),
+    51: phrase("splines are not supported; approximate them by G1, G2 and G3"),
+    52: phrase("NURBS are not supported; approximate them by G1, G2 and G3"),
+    53: phrase("NURBS are not supported; approximate them by G1, G2 and G3"),
+    70: phrase("the lathe's diameter mode is not supported on a mill; program radii (G8)"),
+    121: phrase("polar interpolation is not supported; let the CAM program write X and Y"),
+    160: phrase("polar coordinates are written with @ and ^ here"),
+    330: phrase("motion synchronised with the spindle needs a spindle encoder, and there is none"),
+    331: phrase("rigid tapping needs a spindle encoder, and there is none"),
+    510: phrase("scaling is not supported; let the CAM program scale"),
+    511: phrase("mirroring is not supported; let the CAM program mirror"),
+    541: phrase("there are nine work coordinate systems here, G54 to G59, G59.1, G59.2 and G59.3"),
+    660: phrase("macros by G66 are not supported; call a subroutine by M98 or o<name> call"),
+    680: phrase("a work coordinate system is turned by G10 L2 R here"),
+    720: phrase("it is a lathe's cycle"),
+    760: phrase("threading needs a spindle encoder, and there is none"),
+    870: phrase("back boring needs an oriented spindle, and there is none"),
+    880: phrase("boring with manual retract is not supported; use G86 or G89"),
+    950: phrase("feed per revolution needs a spindle encoder, and there is none; use G94"),
+    960: phrase("constant surface speed is not supported; use G97 and S"),
 }
 M_REFUSED: Final[dict[int, str]] = {
-    19: "the spindle cannot be oriented: it has no encoder",
-    98: "it has to be the first word of its line, with P and L alone behind it",
-    99: "it has to stand alone on its line",
-    **dict.fromkeys(range(62, 69), "synchronised inputs and outputs are not supported"),
+    19: phrase("the spindle cannot be oriented: it has no encoder"),
+    98: phrase("it has to be the first word of its line, with P and L alone behind it"),
+    99: phrase("it has to stand alone on its line"),
+    **dict.fromkeys(range(62, 69), phrase("synchronised inputs and outputs are not supported")),
 }
 G_GROUP: Final = {code: group for group, codes in G_GROUPS.items() for code in codes}
 #: M-codes that a user may give a meaning.
@@ -118,19 +119,19 @@ _USER: Final = tuple(1000 + code for code in USER_CODES)
 
 # word -> (codes that use it, how to say so)
 WORD_USERS: Final[dict[str, tuple[frozenset[int], str]]] = {
-    "i": (ARCS | {100}, "G2, G3 or G10"),
-    "j": (ARCS | {100}, "G2, G3 or G10"),
-    "k": (ARCS, "G2 or G3"),
-    "r": (ARCS | CYCLES | {100}, "an arc, a canned cycle or G10"),
-    "l": (CYCLES | CUTTER_ON | {100}, "a canned cycle, G41.1, G42.1 or G10"),
-    "q": (frozenset({100, 640, 730, 830, 1061, *_USER}), "G10, G64, G73, G83 or M61"),
+    "i": (ARCS | {100}, phrase("G2, G3 or G10")),
+    "j": (ARCS | {100}, phrase("G2, G3 or G10")),
+    "k": (ARCS, phrase("G2 or G3")),
+    "r": (ARCS | CYCLES | {100}, phrase("an arc, a canned cycle or G10")),
+    "l": (CYCLES | CUTTER_ON | {100}, phrase("a canned cycle, G41.1, G42.1 or G10")),
+    "q": (frozenset({100, 640, 730, 830, 1061, *_USER}), phrase("G10, G64, G73, G83 or M61")),
     "h": (frozenset({430, 432}), "G43"),
     "p": (
         ARCS | {40, 100, 640, 740, 820, 840, 860, 890, 1050, 1051, 1052, 1053, *_USER},
-        "G2, G3, G4, G10, G64, G74, G82, G84, G86, G89 or M50 to M53",
+        phrase("G2, G3, G4, G10, G64, G74, G82, G84, G86, G89 or M50 to M53"),
     ),
-    "$": (frozenset({1003, 1004, 1005, 1051, 970}), "M3, M4, M5, M51 or G97"),
-    "d": (CUTTER_ON, "G41, G41.1, G42 or G42.1"),
+    "$": (frozenset({1003, 1004, 1005, 1051, 970}), phrase("M3, M4, M5, M51 or G97")),
+    "d": (CUTTER_ON, phrase("G41, G41.1, G42 or G42.1")),
 }
 # M-codes get this added where they share a table with G-codes.
 M_OFFSET: Final = 1000
@@ -151,8 +152,10 @@ def g_code(value: float) -> int:
     code = round(value * 10)
     if abs(value * 10 - code) > 1e-3 or code not in G_GROUP:
         if code in G_REFUSED and abs(value * 10 - code) <= 1e-3:
-            raise ProgramError(f"{name(code)} is refused: {G_REFUSED[code]}")
-        raise ProgramError(f"G{value:g} is not a known code")
+            raise ProgramError(
+                phrase("{name} is refused: {g_refused}", name=name(code), g_refused=G_REFUSED[code])
+            )
+        raise ProgramError(phrase("G{value:g} is not a known code", value=value))
     return code
 
 
@@ -164,11 +167,15 @@ def m_code(value: float) -> int:
     """
     code = round(value)
     if abs(value - code) > 1e-4:
-        raise ProgramError(f"M{value:g} is not a known code: M takes a whole number")
+        raise ProgramError(
+            phrase("M{value:g} is not a known code: M takes a whole number", value=value)
+        )
     if code not in M_GROUP and code not in USER_CODES:
         if code in M_REFUSED:
-            raise ProgramError(f"M{code} is refused: {M_REFUSED[code]}")
-        raise ProgramError(f"M{code} is not a known code")
+            raise ProgramError(
+                phrase("M{code} is refused: {m_refused}", code=code, m_refused=M_REFUSED[code])
+            )
+        raise ProgramError(phrase("M{code} is not a known code", code=code))
     return code
 
 

@@ -24,6 +24,7 @@ from fraese.gcode.offsets import Coordinates
 from fraese.gcode.parameters import Parameters
 from fraese.gcode.position import Position
 from fraese.gcode.words import Block
+from fraese.phrases import phrase
 from fraese.workframe import numbers
 
 OFFSET_LETTERS: Final = {"x": "i", "y": "j", "z": "k"}
@@ -85,9 +86,9 @@ class Motion(Position):
 
     def _machine_straight(self, block: Block, code: int) -> Iterable[Move]:
         if code not in (0, 10):
-            raise ProgramError("G53 needs G0 or G1")
+            raise ProgramError(phrase("G53 needs G0 or G1"))
         if not self.modal.absolute:
-            raise ProgramError("G53 needs G90: machine coordinates are absolute")
+            raise ProgramError(phrase("G53 needs G90: machine coordinates are absolute"))
         frame = self.coordinates.frame
         here = frame.to_machine(self.at)
         to = self.given(block, here)
@@ -132,23 +133,31 @@ class Motion(Position):
         plane = f"G{self.modal.plane}"
         across = OFFSET_LETTERS[third_letter(self.modal.plane)]
         if across in words:
-            raise ProgramError(f"{across.upper()} has no meaning in plane {plane}")
+            raise ProgramError(
+                phrase(
+                    "{across} has no meaning in plane {plane}", across=across.upper(), plane=plane
+                )
+            )
         offsets = any(OFFSET_LETTERS[end] in words for end in ends)
         if "r" in words and offsets:
-            raise ProgramError("an arc takes either R or a centre by I, J, K, not both")
+            raise ProgramError(phrase("an arc takes either R or a centre by I, J, K, not both"))
         if "r" not in words and not offsets:
-            raise ProgramError("an arc needs R or a centre by I, J, K")
+            raise ProgramError(phrase("an arc needs R or a centre by I, J, K"))
         polar = "@" in words or "^" in words
         if "r" in words and not polar and ends[0] not in words and ends[1] not in words:
             both = " or ".join(letter.upper() for letter in ends)
-            raise ProgramError(f"an arc with R needs its end: {both} in plane {plane}")
+            raise ProgramError(
+                phrase(
+                    "an arc with R needs its end: {both} in plane {plane}", both=both, plane=plane
+                )
+            )
         if self.coordinates.frame.is_rotated and self.modal.plane != 17:
-            raise ProgramError("a rotated coordinate system allows arcs in plane G17 only")
+            raise ProgramError(phrase("a rotated coordinate system allows arcs in plane G17 only"))
 
     def _turns(self, word: float | None, code: int) -> int:
         turns = 1 if word is None else round(word)
         if word is not None and (abs(word - turns) > 1e-4 or not 1 <= turns <= MAX_TURNS):
-            raise ProgramError("the P word of an arc is a whole number of turns, 1 or more")
+            raise ProgramError(phrase("the P word of an arc is a whole number of turns, 1 or more"))
         return turns if code == 30 else -turns
 
     def _centre(
@@ -163,7 +172,11 @@ class Motion(Position):
         if self.modal.arc_absolute:
             for letter in letters:
                 if letter not in words:
-                    raise ProgramError(f"G90.1 needs {letter.upper()} for the centre of an arc")
+                    raise ProgramError(
+                        phrase(
+                            "G90.1 needs {letter} for the centre of an arc", letter=letter.upper()
+                        )
+                    )
             centre = words[letters[0]] * scale, words[letters[1]] * scale
         else:
             centre = (
@@ -178,15 +191,17 @@ class Motion(Position):
     def _probe(self, block: Block) -> Iterable[Move]:
         code = cast(int, block.motion)
         if not block.has_axes:
-            raise ProgramError(f"{name(code)} needs an axis word")
+            raise ProgramError(phrase("{name} needs an axis word", name=name(code)))
         if self.modal.inverse_time:
-            raise ProgramError("probing is not possible in G93; use G94")
+            raise ProgramError(phrase("probing is not possible in G93; use G94"))
         to = self.target(block)
         feed_mm_min = self.feed_for(block, self.axes.way(self.at, to), code)
         towards, must = code in (382, 383), code in (382, 384)
         # Without a way to go a probe that must touch cannot; the others just do nothing.
         if must and self.at == to:
-            raise ProgramError(f"{name(code)} has no way to go: it starts at its target")
+            raise ProgramError(
+                phrase("{name} has no way to go: it starts at its target", name=name(code))
+            )
         machine = self.coordinates.frame.to_machine(to)
         return (Probe(self.line, machine, feed_mm_min, towards, must),)
 
@@ -208,8 +223,9 @@ class Motion(Position):
         self._parameters.set(PROBE_TOUCHED, float(facts.touched))
         self.at = self.coordinates.frame.to_work(facts.position_mm)
         if probe.must_touch and not facts.touched:
-            wanted = "touch" if probe.until_closed else "open"
-            raise ProgramError(f"the probe reached its target but did not {wanted}")
+            if probe.until_closed:
+                raise ProgramError(phrase("the probe reached its target but did not touch"))
+            raise ProgramError(phrase("the probe reached its target but did not open"))
 
 
 _MOTIONS: Final[dict[int, Callable[[Motion, Block], Iterable[Move]]]] = {

@@ -11,6 +11,7 @@ from fraese.gcode.messages import DEBUG_SWITCH
 from fraese.gcode.oword import Flow
 from fraese.gcode.parameters import Live, Parameters
 from fraese.gcode.position import Position
+from fraese.phrases import phrase
 from fraese.workframe import LETTERS, TOOL_NUMBER, TOOL_OFFSET, numbers
 
 POSITION: Final = 5420
@@ -57,7 +58,9 @@ def _place(position: Position, cutter: Cutter) -> dict[int, Live]:
 
         def at() -> float:
             if cutter.side is not None:
-                raise ProgramError("the position cannot be read under compensation (G41, G42)")
+                raise ProgramError(
+                    phrase("the position cannot be read under compensation (G41, G42)")
+                )
             return place()
 
         return at

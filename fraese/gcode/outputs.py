@@ -26,6 +26,7 @@ from fraese.gcode.modal import M_OFFSET
 from fraese.gcode.motion import Motion
 from fraese.gcode.settings import Settings
 from fraese.gcode.words import Block
+from fraese.phrases import phrase
 
 Moves = Iterable[Move]
 Handler = Callable[[Block, float], Moves]
@@ -75,12 +76,18 @@ class Outputs:
         """
         duration_s = block.words.get("p")
         if duration_s is None or not 0 <= duration_s <= MAX_DWELL_S:
-            raise ProgramError(f"G4 needs a P word: seconds from 0 to {MAX_DWELL_S:g}")
+            raise ProgramError(
+                phrase(
+                    "G4 needs a P word: seconds from 0 to {max_dwell_s:g}", max_dwell_s=MAX_DWELL_S
+                )
+            )
         return (Dwell(self._motion.line, duration_s),)
 
     def _speed(self, block: Block, value: float) -> Moves:
         if value < 0:
-            raise ProgramError("the S word must not be negative; use M4 for the other direction")
+            raise ProgramError(
+                phrase("the S word must not be negative; use M4 for the other direction")
+            )
         m = self._modal
         m.rev_min = value
         # Where the spindle code is on the same line, it says the new speed itself.
@@ -93,7 +100,7 @@ class Outputs:
         return Spindle(self._motion.line, cast(Literal[-1, 0, 1], m.spindle), m.rev_min)
 
     def _select_tool(self, block: Block, value: float) -> Moves:
-        number = whole(value, "the T word")
+        number = whole(value, phrase("the T word"))
         self._frames.check_tool(number)
         self._modal.selected_tool = number
         return ()
@@ -101,7 +108,7 @@ class Outputs:
     def _tool_change(self, block: Block, value: float) -> Moves:
         m = self._modal
         if value == M_OFFSET + 61:
-            number = whole(block.words.get("q", -1.0), "the Q word of M61")
+            number = whole(block.words.get("q", -1.0), phrase("the Q word of M61"))
             self._frames.check_tool(number)
             self._frames.put_in(number)
             return
@@ -114,7 +121,11 @@ class Outputs:
     def _spindle(self, block: Block, value: float) -> Moves:
         selected = block.words.get("$", 0.0)
         if selected not in (0.0, -1.0):
-            raise ProgramError(f"there is no spindle ${selected:g}; this mill has one, $0")
+            raise ProgramError(
+                phrase(
+                    "there is no spindle ${selected:g}; this mill has one, $0", selected=selected
+                )
+            )
         self._modal.spindle = {3: 1, 4: -1, 5: 0}[int(value) - M_OFFSET]
         return (self._spindle_now(),)
 
@@ -141,10 +152,13 @@ class Outputs:
         code = int(value) - M_OFFSET
         if code not in self._ignored:
             raise ProgramError(
-                f"M{code} is a user's own code and has no meaning here; to pass it over, name"
-                f" {code} in run.ignored_m_codes"
+                phrase(
+                    "M{code} is a user's own code and has no meaning here; to pass it over,"
+                    " name {code} in run.ignored_m_codes",
+                    code=code,
+                )
             )
-        return self._notes.once(self._motion.line, f"M{code} is passed over")
+        return self._notes.once(self._motion.line, phrase("M{code} is passed over", code=code))
 
     def _path(self, block: Block, value: float) -> Moves:
         m = self._modal

@@ -9,53 +9,19 @@ defined, and, where a subroutine is called before it is defined, the lines in be
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final
 
 from fraese.errors import ProgramError
+from fraese.gcode.callframes import Frame, Loop
 from fraese.gcode.expressions import Reader, whole
 from fraese.gcode.labels import LabelReader, OWord
 from fraese.gcode.parameters import ARGUMENTS, Parameters, Scope
 from fraese.gcode.setup import Setup
 from fraese.gcode.source import Source
 from fraese.gcode.subroutines import HEADS, PROGRAM_NUMBER, Library, Sub, bare
+from fraese.phrases import joined, phrase
 
 MAX_CALLS: Final = 9
-
-
-@dataclass(slots=True)
-class Loop:
-    """A loop that is running; ``place`` is its head's line, ``since`` a count of lines."""
-
-    head: OWord
-    place: int
-    left: int = 0
-    since: int = 0
-
-
-class Frame:
-    """A running program or subroutine; the program itself has no name.
-
-    ``sub`` and ``left`` are those of a subprogram that M98 called: what it repeats, how often.
-    """
-
-    __slots__ = ("labels", "left", "loops", "name", "scope", "source", "sub")
-
-    def __init__(
-        self,
-        source: Source,
-        name: str = "",
-        scope: Scope | None = None,
-        sub: Sub | None = None,
-        left: int = 0,
-    ) -> None:
-        self.source = source
-        self.name = name
-        self.scope = scope
-        self.sub = sub
-        self.left = left
-        self.loops: dict[str, Loop] = {}
-        self.labels: dict[str, int] = {}
 
 
 class Flow:
@@ -97,9 +63,11 @@ class Flow:
         if frame.loops or frame.name:
             self._count()
             if text is None and frame.sub is not None:
-                raise ProgramError(f"subprogram O{frame.name} ends without M99")
+                raise ProgramError(phrase("subprogram O{name} ends without M99", name=frame.name))
             if text is None and frame.name:
-                raise ProgramError(f"subroutine o<{frame.name}> ends without endsub")
+                raise ProgramError(
+                    phrase("subroutine o<{name}> ends without endsub", name=frame.name)
+                )
         return text
 
     def _count(self) -> None:
@@ -107,7 +75,11 @@ class Flow:
         self._counted += 1
         if self.idle_lines > self._max_idle_lines:
             raise ProgramError(
-                f"{self._max_idle_lines} lines went by without motion: {self._endless()} never ends"
+                phrase(
+                    "{max_idle_lines} lines went by without motion: {endless} never ends",
+                    max_idle_lines=self._max_idle_lines,
+                    endless=self._endless(),
+                )
             )
 
     def _endless(self) -> str:
@@ -117,9 +89,14 @@ class Flow:
             for name, loop in reversed(frame.loops.items()):
                 if loop.since <= before:
                     file = frame.source.file
-                    place = f" of {file}" if file != self.source.file else ""
-                    return f"the loop o<{name}> that begins in line {loop.place}{place}"
-        return "this loop"
+                    place = phrase(" of {file}", file=file) if file != self.source.file else ""
+                    return phrase(
+                        "the loop o<{name}> that begins in line {place}{place_2}",
+                        name=name,
+                        place=loop.place,
+                        place_2=place,
+                    )
+        return phrase("this loop")
 
     def end_of_tape(self) -> None:
         """A percent sign ends the program; where none opened it, subprograms may follow.
@@ -138,7 +115,10 @@ class Flow:
                     return
                 if text.strip() != "%" and bare(text):
                     raise ProgramError(
-                        f"this stands behind the '%' in line {place}, which ends the program",
+                        phrase(
+                            "this stands behind the '%' in line {place}, which ends the program",
+                            place=place,
+                        ),
                         source.line,
                     )
         finally:
@@ -163,7 +143,9 @@ class Flow:
         """
         handler = _HANDLERS.get(word.keyword)
         if handler is None:
-            raise ProgramError(f"{word.keyword!r} is not known behind an O-word")
+            raise ProgramError(
+                phrase("{keyword} is not known behind an O-word", keyword=repr(word.keyword))
+            )
         handler(self, word)
 
     def _skip(self, word: OWord, *keywords: str) -> OWord:
@@ -173,9 +155,15 @@ class Flow:
             found = self._labels.passed(text)
             if found is not None and found.name == word.name and found.keyword in keywords:
                 return found
-        said = " or ".join(keywords)
+        said = joined(phrase(" or "), keywords)
         raise ProgramError(
-            f"o<{word.name}> {word.keyword} has no {said} before the end of file", line
+            phrase(
+                "o<{name}> {keyword} has no {said} before the end of file",
+                name=word.name,
+                keyword=word.keyword,
+                said=said,
+            ),
+            line,
         )
 
     def _begin(self, word: OWord) -> None:
@@ -183,11 +171,17 @@ class Flow:
         line = self.source.line
         first = self.frame.labels.setdefault(word.name, line)
         if first != line:
-            raise ProgramError(f"label o<{word.name}> is already used in line {first}")
+            raise ProgramError(
+                phrase(
+                    "label o<{name}> is already used in line {first}", name=word.name, first=first
+                )
+            )
 
     def _begun(self, word: OWord) -> None:
         if word.name not in self.frame.labels:
-            raise ProgramError(f"o<{word.name}> {word.keyword} has no beginning")
+            raise ProgramError(
+                phrase("o<{name}> {keyword} has no beginning", name=word.name, keyword=word.keyword)
+            )
 
     # Branches
 
@@ -237,7 +231,7 @@ class Flow:
 
     def _end_of_do(self, word: OWord, loop: Loop) -> None:
         if loop.head.keyword != "do":
-            raise ProgramError(f"o<{word.name}> while is already running")
+            raise ProgramError(phrase("o<{name}> while is already running", name=word.name))
         if self._labels.condition(word):
             self.source.back(loop.place)
         else:
@@ -261,8 +255,15 @@ class Flow:
     def _running(self, word: OWord, *keywords: str) -> Loop:
         loop = self.frame.loops.get(word.name)
         if loop is None or loop.head.keyword not in keywords:
-            said = " or ".join(keywords)
-            raise ProgramError(f"o<{word.name}> {word.keyword} has no {said} to belong to")
+            said = joined(phrase(" or "), keywords)
+            raise ProgramError(
+                phrase(
+                    "o<{name}> {keyword} has no {said} to belong to",
+                    name=word.name,
+                    keyword=word.keyword,
+                    said=said,
+                )
+            )
         return loop
 
     def _break(self, word: OWord) -> None:
@@ -279,13 +280,17 @@ class Flow:
 
     def _sub(self, word: OWord) -> None:
         if self.frame.name:
-            raise ProgramError(f"o<{word.name}> sub cannot be defined inside a subroutine")
+            raise ProgramError(
+                phrase("o<{name}> sub cannot be defined inside a subroutine", name=word.name)
+            )
         self._library.define(word.name, self.source)
 
     def _call(self, word: OWord) -> None:
         arguments = self._labels.expressions(word)
         if len(arguments) > ARGUMENTS:
-            raise ProgramError(f"a call takes at most {ARGUMENTS} arguments")
+            raise ProgramError(
+                phrase("a call takes at most {arguments} arguments", arguments=ARGUMENTS)
+            )
         self._go_deeper()
         sub = self._library.find(word.name)
         scope = self._parameters.enter(arguments)
@@ -295,14 +300,26 @@ class Flow:
 
     def _go_deeper(self) -> None:
         if self.call_level >= MAX_CALLS:
-            raise ProgramError(f"subroutines call each other more than {MAX_CALLS} deep")
+            raise ProgramError(
+                phrase(
+                    "subroutines call each other more than {max_calls} deep", max_calls=MAX_CALLS
+                )
+            )
 
     def _return(self, word: OWord) -> None:
         frame = self.frame
         if frame.sub is not None:
-            raise ProgramError(f"subprogram O{frame.name} was called by M98 and returns by M99")
+            raise ProgramError(
+                phrase("subprogram O{name} was called by M98 and returns by M99", name=frame.name)
+            )
         if frame.scope is None:
-            raise ProgramError(f"o<{word.name}> {word.keyword} stands outside any subroutine")
+            raise ProgramError(
+                phrase(
+                    "o<{name}> {keyword} stands outside any subroutine",
+                    name=word.name,
+                    keyword=word.keyword,
+                )
+            )
         values = self._labels.expressions(word)
         self.value = values[0] if values else 0.0
         self.value_returned = float(bool(values))
@@ -320,15 +337,17 @@ class Flow:
         values: dict[str, float] = {}
         while letter := reader.peek():
             if letter not in "pl" or letter in values:
-                raise ProgramError("M98 takes P, the number, and L, how often, once each; no more")
+                raise ProgramError(
+                    phrase("M98 takes P, the number, and L, how often, once each; no more")
+                )
             reader.at += 1
             values[letter] = reader.value()
         if "p" not in values:
-            raise ProgramError("M98 needs a P word: the number of the subprogram")
-        name = str(whole(values["p"], "the P word of M98"))
-        count = whole(values.get("l", 1.0), "the L word of M98")
+            raise ProgramError(phrase("M98 needs a P word: the number of the subprogram"))
+        name = str(whole(values["p"], phrase("the P word of M98")))
+        count = whole(values.get("l", 1.0), phrase("the L word of M98"))
         if count < 0:
-            raise ProgramError("the L word of M98 must not be negative")
+            raise ProgramError(phrase("the L word of M98 must not be negative"))
         self._go_deeper()
         sub = self._library.find_numbered(name)
         if count:
@@ -342,10 +361,12 @@ class Flow:
     def _end_numbered(self, word: OWord) -> None:
         frame = self.frame
         if word.rest:
-            raise ProgramError("M99 has to stand alone on its line")
+            raise ProgramError(phrase("M99 has to stand alone on its line"))
         if frame.sub is None or frame.scope is None:
             if frame.name:
-                raise ProgramError(f"o<{frame.name}> sub returns by endsub, not by M99")
+                raise ProgramError(
+                    phrase("o<{name}> sub returns by endsub, not by M99", name=frame.name)
+                )
             self.over = True
             return
         self._back_from(frame.scope)

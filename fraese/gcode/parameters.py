@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from fraese.errors import ProgramError
+from fraese.phrases import phrase
 from fraese.workframe import PERSISTENT
 
 MAX_INDEX: Final = 5601
@@ -44,7 +45,13 @@ class Parameters:
             ProgramError: the number is out of range.
         """
         if not 1 <= index <= MAX_INDEX:
-            raise ProgramError(f"#{index} is not a parameter: numbers go from 1 to {MAX_INDEX}")
+            raise ProgramError(
+                phrase(
+                    "#{index} is not a parameter: numbers go from 1 to {max_index}",
+                    index=index,
+                    max_index=MAX_INDEX,
+                )
+            )
         answer = self.live.get(index)
         return self.numbered.get(index, 0.0) if answer is None else answer()
 
@@ -55,9 +62,15 @@ class Parameters:
             ProgramError: the number is out of range or can only be read.
         """
         if not 1 <= index <= MAX_INDEX:
-            raise ProgramError(f"#{index} is not a parameter: numbers go from 1 to {MAX_INDEX}")
+            raise ProgramError(
+                phrase(
+                    "#{index} is not a parameter: numbers go from 1 to {max_index}",
+                    index=index,
+                    max_index=MAX_INDEX,
+                )
+            )
         if index in READ_ONLY:
-            raise ProgramError(f"#{index} can only be read")
+            raise ProgramError(phrase("#{index} can only be read", index=index))
         self.numbered[index] = value
         if index >= PERSISTENT[0]:
             self.changes += 1
@@ -81,7 +94,7 @@ class Parameters:
             ProgramError: the name can only be read.
         """
         if name in self.live_names:
-            raise ProgramError(f"#<{name}> can only be read")
+            raise ProgramError(phrase("#<{name}> can only be read", name=name))
         self._scope(name)[name] = value
 
     def _scope(self, name: str) -> dict[str, float]:

@@ -15,6 +15,7 @@ from fraese.gcode.axes import Axes, Way
 from fraese.gcode.modal import Modal, name
 from fraese.gcode.offsets import Coordinates
 from fraese.gcode.words import Block
+from fraese.phrases import phrase
 from fraese.workframe import Point
 
 # The feed that G93 gives a move of next to no length, in units per minute.
@@ -56,15 +57,17 @@ class Position:
     def _by_polar(self, words: dict[str, float]) -> Point:
         """X and Y from distance and angle; what is not given stays as it is."""
         if "x" in words or "y" in words:
-            raise ProgramError("polar coordinates (@ and ^) cannot be mixed with X or Y")
+            raise ProgramError(phrase("polar coordinates (@ and ^) cannot be mixed with X or Y"))
         if self.modal.plane != 17:
-            raise ProgramError("polar coordinates (@ and ^) are of the plane G17")
-        first, second, _ = self.axes.plane(17, "@ or ^")
+            raise ProgramError(phrase("polar coordinates (@ and ^) are of the plane G17"))
+        first, second, _ = self.axes.plane(17, phrase("@ or ^"))
         to = list(self.at)
         x, y = to[first], to[second]
         radius_mm, angle_deg = math.hypot(x, y), math.degrees(math.atan2(y, x))
         if not self.modal.absolute and radius_mm == 0:
-            raise ProgramError("at the origin there is no direction for incremental @ and ^")
+            raise ProgramError(
+                phrase("at the origin there is no direction for incremental @ and ^")
+            )
         if self.modal.absolute:
             radius_mm = words["@"] * self.modal.scale_mm if "@" in words else radius_mm
             angle_deg = words.get("^", angle_deg)
@@ -84,12 +87,16 @@ class Position:
         modal = self.modal
         if not modal.inverse_time:
             if modal.feed_mm_min <= 0:
-                raise ProgramError(f"{name(code)} needs a feed: give an F word above 0 first")
+                raise ProgramError(
+                    phrase("{name} needs a feed: give an F word above 0 first", name=name(code))
+                )
             # An angle is no length: G20 leaves it alone.
             return modal.feed_word if way.is_angle else modal.feed_mm_min
         inverse = block.words.get("f")
         if inverse is None or inverse <= 0:
-            raise ProgramError(f"{name(code)} needs its own F word above 0 while G93 is in force")
+            raise ProgramError(
+                phrase("{name} needs its own F word above 0 while G93 is in force", name=name(code))
+            )
         unit = 1.0 if way.is_angle else modal.scale_mm
         feed = max(way.length * inverse, LEAST_FEED * unit)
         # What a program may ask for is the feed that came of it.

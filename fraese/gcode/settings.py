@@ -10,6 +10,7 @@ from fraese.gcode.frames import Frames
 from fraese.gcode.modal import Modal
 from fraese.gcode.motion import Motion
 from fraese.gcode.words import Block
+from fraese.phrases import phrase
 from fraese.workframe import Point
 
 
@@ -31,7 +32,7 @@ class Settings:
             ProgramError: it is negative.
         """
         if value < 0:
-            raise ProgramError("the F word must not be negative")
+            raise ProgramError(phrase("the F word must not be negative"))
         if not self._modal.inverse_time:
             self._modal.feed_word = value
             self._modal.feed_mm_min = value * self._modal.scale_mm
@@ -88,7 +89,7 @@ class Settings:
             self._saved.pop(level, None)
         else:
             if level not in self._saved:
-                raise ProgramError("M72 finds no state: save it with M70 first")
+                raise ProgramError(phrase("M72 finds no state: save it with M70 first"))
             yield from self._restore(line, *self._saved[level])
 
     def leave(self, line: int, level: int) -> Iterable[Move]:

@@ -9,6 +9,7 @@ from fraese.errors import ProgramError
 from fraese.gcode.setup import Setup
 from fraese.gcode.source import Source
 from fraese.gcode.words import plain
+from fraese.phrases import phrase
 
 # A subroutine's body is held in memory; this is far beyond any that a person wrote.
 MAX_BODY: Final = 200_000
@@ -63,8 +64,13 @@ class Library:
         if name in self._subs:
             first = self._subs[name].first_line - 1
             raise ProgramError(
-                f"o<{name}> sub: the program must not run into a subroutine that is already "
-                f"defined (line {first}); end it with M2 before, or define it once"
+                phrase(
+                    "o<{name}> sub: the program must not run into a subroutine that is"
+                    " already defined (line {first}); end it with M2 before, or define it"
+                    " once",
+                    name=name,
+                    first=first,
+                )
             )
         self._subs[name] = self._body(name, source)
 
@@ -77,8 +83,16 @@ class Library:
         if name not in self._subs and not self._load(name):
             sub = self._look_ahead(name, "sub", self._body)
             if sub is None:
-                where = "the program" + (" or the subroutine folders" if self._folders else "")
-                raise ProgramError(f"o<{name}> call: there is no such subroutine in {where}")
+                where = phrase("the program") + (
+                    phrase(" or the subroutine folders") if self._folders else ""
+                )
+                raise ProgramError(
+                    phrase(
+                        "o<{name}> call: there is no such subroutine in {where}",
+                        name=name,
+                        where=where,
+                    )
+                )
             self._subs[name] = sub
         return self._subs[name]
 
@@ -91,7 +105,9 @@ class Library:
         if name not in self._numbered:
             sub = self._look_ahead(name, PROGRAM_NUMBER, self._numbered_body)
             if sub is None:
-                raise ProgramError(f"M98 P{name}: no O{name} follows in the program")
+                raise ProgramError(
+                    phrase("M98 P{name}: no O{name} follows in the program", name=name)
+                )
             self._numbered[name] = sub
         return self._numbered[name]
 
@@ -104,7 +120,10 @@ class Library:
             if lines is not None:
                 self._take_all(Source(lines, path.name))
                 if name not in self._subs:
-                    raise ProgramError(f"{path.name} holds no o<{name}> sub", file=str(path))
+                    raise ProgramError(
+                        phrase("{name} holds no o<{name_2}> sub", name=path.name, name_2=name),
+                        file=str(path),
+                    )
                 return True
         return False
 
@@ -150,9 +169,17 @@ class Library:
             if self._label(text) == (name, "endsub"):
                 return Sub(source.file, first, tuple(lines))
             if len(lines) > MAX_BODY:
-                raise ProgramError(f"o<{name}> sub is longer than {MAX_BODY} lines")
+                raise ProgramError(
+                    phrase(
+                        "o<{name}> sub is longer than {max_body} lines",
+                        name=name,
+                        max_body=MAX_BODY,
+                    )
+                )
         raise ProgramError(
-            f"o<{name}> sub has no endsub before the end of file", first - 1, source.file
+            phrase("o<{name}> sub has no endsub before the end of file", name=name),
+            first - 1,
+            source.file,
         )
 
     def _numbered_body(self, name: str, source: Source) -> Sub:
@@ -170,7 +197,9 @@ class Library:
                 over = code.startswith("m99") if code else over
             lines.append(text)
             if self._numbered_lines + len(lines) > MAX_NUMBERED:
-                raise ProgramError(f"the subprograms from O{name} on are too long without M99")
+                raise ProgramError(
+                    phrase("the subprograms from O{name} on are too long without M99", name=name)
+                )
         self._numbered_lines += len(lines)
         return Sub(source.file, first, tuple(lines))
 

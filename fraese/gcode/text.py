@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import BinaryIO, Final
 
 from fraese.errors import ProgramError
+from fraese.phrases import phrase, reason
 
 MAX_LINE: Final = 4096
 WIDE_MARKS: Final = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
@@ -45,7 +46,9 @@ def open_plain(path: Path, file: str = "") -> BinaryIO | None:
     except OSError as error:
         if error.errno in _NOT_THERE:
             return None
-        raise ProgramError(f"cannot be read: {error.strerror}.", file=file) from error
+        raise ProgramError(
+            phrase("cannot be read: {reason}.", reason=reason(error)), file=file
+        ) from error
     try:
         _require_plain(os.fstat(stream.fileno()).st_mode, file)
     except ProgramError:
@@ -56,9 +59,11 @@ def open_plain(path: Path, file: str = "") -> BinaryIO | None:
 
 def _require_plain(mode: int, file: str) -> None:
     if stat.S_ISDIR(mode):
-        raise ProgramError("is a folder; name a file in it.", file=file)
+        raise ProgramError(phrase("is a folder; name a file in it."), file=file)
     if not stat.S_ISREG(mode):
-        raise ProgramError("is a pipe or a device; a program is read from a plain file.", file=file)
+        raise ProgramError(
+            phrase("is a pipe or a device; a program is read from a plain file."), file=file
+        )
 
 
 def require_inside(path: Path) -> None:
@@ -69,7 +74,9 @@ def require_inside(path: Path) -> None:
     """
     folder = Path(os.path.realpath(path.parent))
     if os.path.islink(path) and not Path(os.path.realpath(path)).is_relative_to(folder):
-        raise ProgramError("is a link that leads out of its folder; copy the file.", file=str(path))
+        raise ProgramError(
+            phrase("is a link that leads out of its folder; copy the file."), file=str(path)
+        )
 
 
 def read_lines(path: Path, file: str = "") -> Generator[str, None, None]:
@@ -84,7 +91,7 @@ def read_lines(path: Path, file: str = "") -> Generator[str, None, None]:
     """
     stream = open_plain(path, file)
     if stream is None:
-        raise ProgramError("there is no such file.", file=file or str(path))
+        raise ProgramError(phrase("there is no such file."), file=file or str(path))
     yield from lines_of(stream, file or str(path))
 
 
@@ -105,7 +112,9 @@ def lines_of(stream: BinaryIO, file: str) -> Generator[str, None, None]:
             with io.TextIOWrapper(stream, encoding, errors) as text_stream:
                 yield from _lines(text_stream, file)
         except OSError as error:
-            raise ProgramError(f"cannot be read: {error.strerror}", file=file) from error
+            raise ProgramError(
+                phrase("cannot be read: {reason}", reason=reason(error)), file=file
+            ) from error
 
 
 def _lines(stream: io.TextIOWrapper, file: str) -> Iterator[str]:
@@ -113,12 +122,18 @@ def _lines(stream: io.TextIOWrapper, file: str) -> Iterator[str]:
     read = partial(stream.readline, MAX_LINE + 2)
     for line, text in enumerate(iter(read, ""), start=1):
         if "\0" in text:
-            raise ProgramError("this is a binary file (a NUL byte), not a program", line, file)
+            raise ProgramError(
+                phrase("this is a binary file (a NUL byte), not a program"), line, file
+            )
         if not text.isascii():
             text = _repaired(text)
         text = text.removesuffix("\n")
         if len(text) > MAX_LINE:
-            raise ProgramError(f"the line is longer than {MAX_LINE} characters", line, file)
+            raise ProgramError(
+                phrase("the line is longer than {max_line} characters", max_line=MAX_LINE),
+                line,
+                file,
+            )
         yield text
 
 

@@ -15,6 +15,7 @@ from fraese.gcode.axes import ALL, Axes
 from fraese.gcode.expressions import Reader, number
 from fraese.gcode.modal import AXIS_USERS, CYCLES, HOMES, M_OFFSET, SAME, STRAIGHT, WORD_USERS
 from fraese.gcode.parameters import Parameters
+from fraese.phrases import phrase
 
 _WORDS = re.compile(r"([a-z])([-+]?[0-9.]{1,40}(?![0-9.]))|(.+)", re.DOTALL)
 _LINE_NUMBER = re.compile(r"n[0-9]+(?:\.[0-9]*)?")
@@ -22,6 +23,8 @@ _LINE_NUMBER = re.compile(r"n[0-9]+(?:\.[0-9]*)?")
 _COLON: Final = re.compile(r":(?=[0-9]+\(?$)")
 # Stands for a comment inside a line, so that what it divides is not joined.
 _MARK: Final = "("
+
+_PARAMETER: Final = phrase("the parameter")
 
 AXES: Final = ALL | frozenset("@^")
 OFFSETS: Final = frozenset("ijk")
@@ -74,10 +77,10 @@ def strip_comments(text: str) -> tuple[str, str]:
             return "".join((*kept, text[at:])), comment
         closing = text.find(")", opening)
         if closing < 0:
-            raise ProgramError("the comment is not closed: ')' is missing")
+            raise ProgramError(phrase("the comment is not closed: ')' is missing"))
         comment = text[opening + 1 : closing]
         if "(" in comment:
-            raise ProgramError("a comment must not hold another '('")
+            raise ProgramError(phrase("a comment must not hold another '('"))
         kept += (text[at:opening], _MARK)
         at = closing + 1
 
@@ -107,7 +110,7 @@ def strip_line_number(text: str) -> str:
     if text.startswith("n"):
         match = _LINE_NUMBER.match(text)
         if match is None:
-            raise ProgramError("N has to be followed by a line number")
+            raise ProgramError(phrase("N has to be followed by a line number"))
         text = text[match.end() :]
     return _COLON.sub("o", text) if text.startswith(":") else text
 
@@ -140,7 +143,9 @@ class BlockReader:
                     try:
                         words[letter] = float(digits)
                     except ValueError:
-                        raise ProgramError(f"{digits!r} is not a number") from None
+                        raise ProgramError(
+                            phrase("{digits} is not a number", digits=repr(digits))
+                        ) from None
                 elif letter:
                     self._add_word(block, letter, number(digits))
             text = self._item(block, rest) if rest else ""
@@ -185,7 +190,9 @@ class BlockReader:
         elif letter == "m":
             self._add_m(block, value)
         elif letter in block.words:
-            raise ProgramError(f"there are two {letter.upper()} words on one line")
+            raise ProgramError(
+                phrase("there are two {letter} words on one line", letter=letter.upper())
+            )
         elif letter in self._letters:
             block.words[letter] = value
         elif letter in ROTARY and value == 0:
@@ -194,7 +201,7 @@ class BlockReader:
         elif letter in ALL:
             self._axes.require(letter)
         else:
-            raise ProgramError(f"{letter.upper()!r} cannot be used here")
+            raise ProgramError(phrase("{letter} cannot be used here", letter=repr(letter.upper())))
 
     def _item(self, block: Block, text: str) -> str:
         """Read the first item of ``text`` whatever it is; returns what follows it."""
@@ -205,12 +212,12 @@ class BlockReader:
         if first == "#":
             reader.at = 0
             key = reader.parameter_key()
-            reader.take("=", "the parameter")
+            reader.take("=", _PARAMETER)
             block.assignments.append((key, reader.value()))
         elif first.isascii() and (first.isalpha() or first in "@^$"):
             self._add_word(block, first, reader.value())
         else:
-            raise ProgramError(f"{first!r} cannot be used here")
+            raise ProgramError(phrase("{first} cannot be used here", first=repr(first)))
         return reader.rest()
 
     def _assign(self, key: int | str, value: float) -> None:
@@ -227,8 +234,10 @@ def _agree(one: int, other: int, group: str) -> bool:
 
 def _conflict(one: str, other: str) -> str:
     if one == other:
-        return f"{one} is given twice on one line"
-    return f"{one} and {other} contradict each other on one line; use two lines"
+        return phrase("{one} is given twice on one line", one=one)
+    return phrase(
+        "{one} and {other} contradict each other on one line; use two lines", one=one, other=other
+    )
 
 
 def complete(block: Block, motion: int | None) -> None:
@@ -252,7 +261,9 @@ def complete(block: Block, motion: int | None) -> None:
         circle = motion in modal.ARCS and not OFFSETS.isdisjoint(words)
         if has_axes or circle:
             if motion is None:
-                raise ProgramError("axis words need a motion code such as G0 or G1 in force")
+                raise ProgramError(
+                    phrase("axis words need a motion code such as G0 or G1 in force")
+                )
             block.motion = motion
     if not PLAIN.issuperset(words):
         _check_words(block)
@@ -263,16 +274,23 @@ def _check_codes(block: Block) -> None:
     codes, given = block.codes, block.words
     if block.absent and codes.get("nonmodal") in AXIS_USERS and not block.has_axes:
         raise ProgramError(
-            f"{modal.name(codes['nonmodal'])} with {block.absent[0].upper()} alone has nothing to"
-            " do on this machine, which has no such axis"
+            phrase(
+                "{modal} with {absent} alone has nothing to do on this machine, which has no"
+                " such axis",
+                modal=modal.name(codes["nonmodal"]),
+                absent=block.absent[0].upper(),
+            )
         )
     if codes.get("units") in SAME and not _LATHE.isdisjoint(given):
         raise ProgramError(
-            f"{modal.name(codes['units'])} is refused: with P or Q it is a lathe's cycle;"
-            " alone it is the unit, inch (G70) or mm (G71)"
+            phrase(
+                "{modal} is refused: with P or Q it is a lathe's cycle; alone it is the"
+                " unit, inch (G70) or mm (G71)",
+                modal=modal.name(codes["units"]),
+            )
         )
     if "no G50" in codes and not _SCALING.isdisjoint(given) and block.motion is None:
-        raise ProgramError("G50 ends scaling here and takes no words; G92 sets coordinates")
+        raise ProgramError(phrase("G50 ends scaling here and takes no words; G92 sets coordinates"))
 
 
 def _shared_axes(block: Block) -> bool:
@@ -286,11 +304,15 @@ def _shared_axes(block: Block) -> bool:
     if block.motion is not None:
         users = [code for code in users if code != 431]
     if users and block.motion is not None:
-        codes_said = f"{modal.name(users[0])} and {modal.name(block.motion)}"
-        raise ProgramError(f"{codes_said} both use axis words; use two lines")
+        codes_said = phrase(
+            "{modal} and {modal_2}", modal=modal.name(users[0]), modal_2=modal.name(block.motion)
+        )
+        raise ProgramError(
+            phrase("{codes_said} both use axis words; use two lines", codes_said=codes_said)
+        )
     if "cancel" in codes:
         if block.has_axes and not users and block.motion is None:
-            raise ProgramError("G80 takes no axis words")
+            raise ProgramError(phrase("G80 takes no axis words"))
         return False
     return block.has_axes and not users
 
@@ -300,7 +322,13 @@ def _check_words(block: Block) -> None:
     for letter in block.words:
         users = WORD_USERS.get(letter)
         if users is not None and users[0].isdisjoint(present):
-            raise ProgramError(f"the {letter.upper()} word needs {users[1]} on its line")
+            raise ProgramError(
+                phrase(
+                    "the {letter} word needs {users} on its line",
+                    letter=letter.upper(),
+                    users=users[1],
+                )
+            )
     count = block.words.get("l")
     if count is not None and block.motion in CYCLES and count < 1:
-        raise ProgramError("a canned cycle cannot be repeated less than once")
+        raise ProgramError(phrase("a canned cycle cannot be repeated less than once"))

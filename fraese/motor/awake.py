@@ -16,6 +16,8 @@ import subprocess
 from collections.abc import Mapping
 from typing import Final
 
+from fraese.phrases import phrase, reason
+
 _COMMAND: Final = "systemd-inhibit"
 _HELD: Final = b"held"
 #: Says that the inhibitor is held, and keeps it until its input ends.
@@ -52,18 +54,22 @@ class Awake:
     def _hold(self, environment: Mapping[str, str]) -> str:
         found = shutil.which(_COMMAND, path=environment.get("PATH"))
         if found is None:
-            return f"the machine may fall asleep: there is no {_COMMAND}"
+            return phrase("the machine may fall asleep: there is no {command}", command=_COMMAND)
         try:
             process = _start(found, environment)
         except OSError as error:
-            return f"the machine may fall asleep: {_COMMAND}: {error.strerror}"
+            return phrase(
+                "the machine may fall asleep: {command}: {reason}",
+                command=_COMMAND,
+                reason=reason(error),
+            )
         said = _said(process)
         if said.startswith(_HELD):
             self._process = process
-            return "the machine does not fall asleep"
+            return phrase("the machine does not fall asleep")
         _end(process)
         why = said.decode("utf-8", "replace").strip().splitlines() or ["no answer"]
-        return f"the machine may fall asleep: {_COMMAND}: {why[0]}"
+        return phrase("the machine may fall asleep: {command}: {why}", command=_COMMAND, why=why[0])
 
 
 def _start(found: str, environment: Mapping[str, str]) -> "subprocess.Popen[bytes]":

@@ -16,6 +16,7 @@ from fraese.motor.horizon import DryPoint
 from fraese.motor.run import Run
 from fraese.motor.seams import Card, Clock, Ended, IdleLevel, Port, Report, SwitchMode
 from fraese.motor.switches import SwitchInput
+from fraese.phrases import phrase
 
 
 class MotorCore:
@@ -105,7 +106,7 @@ class MotorCore:
         Raises:
             StateError: while steps are being made.
         """
-        self._run.require_standstill("the queue can only be dropped")
+        self._run.require_standstill(phrase("the queue can only be dropped"))
         self._run.finish(Ended.FLUSH)
 
     def idle(self, level: IdleLevel) -> None:
@@ -114,7 +115,7 @@ class MotorCore:
         Raises:
             StateError: while steps are being made.
         """
-        self._run.require_standstill("the motors can only be switched off")
+        self._run.require_standstill(phrase("the motors can only be switched off"))
         self._run.wires.idle(level)
 
     def set_outputs(self, mask: int, value: int) -> None:

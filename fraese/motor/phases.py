@@ -20,6 +20,8 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Final, NamedTuple
 
+from fraese.phrases import phrase
+
 #: Both phases without current; OR-ed with the motor bits (seed: MOTZERO).
 MOTZERO: Final = 0x1B
 
@@ -52,9 +54,9 @@ FULL_STEPS_PER_REV: Final = (200, 400)
 
 #: How steps of these parts of a full step are called.
 _STEP_WORDS: Final[Mapping[Fraction, str]] = {
-    Fraction(1): "full step",
-    Fraction(2): "half-step",
-    Fraction(4): "quarter-step",
+    Fraction(1): phrase("full step"),
+    Fraction(2): phrase("half-step"),
+    Fraction(4): phrase("quarter-step"),
 }
 #: What an entry may turn the field by, in parts of the mean: four levels make no finer angles.
 _EVEN: Final = (0.5, 1.5)
@@ -129,9 +131,13 @@ def steps_per_rev(table: bytes, full_steps: int = FULL_STEPS_PER_REV[0]) -> Frac
 def describe_table(table: bytes) -> str:
     """What a table is, for people."""
     full_steps = FULL_STEPS_PER_REV[0]
-    return (
-        f"{len(table)} entries: {step_word(table)}s, {float(steps_per_rev(table)):g} steps_per_rev"
-        f" for a {full_steps}-step motor"
+    return phrase(
+        "{count} entries: {step_word}s, {steps_per_rev:g} steps_per_rev for a"
+        " {full_steps}-step motor",
+        count=len(table),
+        step_word=step_word(table),
+        steps_per_rev=float(steps_per_rev(table)),
+        full_steps=full_steps,
     )
 
 
@@ -143,10 +149,10 @@ def fault_of_table(table: bytes, levels: tuple[int, int, int, int]) -> str:
         levels: the level map, one row of ``LEVEL_MAPS``.
     """
     if len(table) < _SHORTEST_TABLE:
-        return f"{len(table)} entries do not say which way the field turns"
+        return phrase("{count} entries do not say which way the field turns", count=len(table))
     angles = [field_angle(byte, levels) for byte in table]
     if None in angles:
-        return f"{_entry(table, angles.index(None))} gives no current"
+        return phrase("{entry} gives no current", entry=_entry(table, angles.index(None)))
     known = [angle for angle in angles if angle is not None]
     nexts = known[1:] + known[:1]
     turns = [_short_way(after - before) for before, after in zip(known, nexts, strict=True)]
@@ -158,29 +164,34 @@ def _fault_of_turns(table: bytes, turns: list[float]) -> str:
     forward = sum(turn > 0 for turn in turns) * 2 >= len(turns)
     mean = TURN_STEPS / len(turns)
     for number, turn in enumerate(turns):
-        step = (
-            f"the step from {_entry(table, number)} to {_entry(table, (number + 1) % len(turns))}"
+        step = phrase(
+            "the step from {entry} to {entry_2}",
+            entry=_entry(table, number),
+            entry_2=_entry(table, (number + 1) % len(turns)),
         )
         if not turn:
-            return f"{step} does not turn the field"
+            return phrase("{step} does not turn the field", step=step)
         if abs(turn) == TURN_STEPS / 2:
-            return f"{step} is half a turn of the field: either way"
+            return phrase("{step} is half a turn of the field: either way", step=step)
         if (turn > 0) != forward:
-            return f"{step} turns the field back"
+            return phrase("{step} turns the field back", step=step)
     rounds = round(abs(sum(turns)) / TURN_STEPS)
     if rounds != 1:
-        return f"it turns the field round {rounds} times; a table is one turn"
+        return phrase("it turns the field round {rounds} times; a table is one turn", rounds=rounds)
     for number, turn in enumerate(turns):
         if not _EVEN[0] <= abs(turn) / mean <= _EVEN[1]:
-            return (
-                f"the step behind {_entry(table, number)} turns the field by {abs(turn) * 45:.0f}"
-                f" degrees; all should be near {mean * 45:.0f}"
+            return phrase(
+                "the step behind {entry} turns the field by {turn:.0f} degrees; all"
+                " should be near {mean:.0f}",
+                entry=_entry(table, number),
+                turn=abs(turn) * 45,
+                mean=mean * 45,
             )
     return ""
 
 
 def _entry(table: bytes, number: int) -> str:
-    return f"entry {number + 1} ({table[number]:02X})"
+    return phrase("entry {number} ({table:02X})", number=number + 1, table=table[number])
 
 
 def _short_way(turn: float) -> float:

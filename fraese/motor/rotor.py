@@ -26,6 +26,7 @@ from enum import Enum
 from typing import Final
 
 from fraese.motor.phases import TURN_STEPS
+from fraese.phrases import phrase
 
 _NS_PER_S: Final = 1_000_000_000
 #: A rate is judged over so many steps at least.
@@ -43,13 +44,13 @@ _SWINGS_UP_S: Final = 0.06
 class Hindrance(Enum):
     """What keeps a rotor from following its field."""
 
-    TOO_FAST = "too fast"
-    TOO_STEEP = "too steep"
-    STOPPED_DEAD = "stopped too suddenly"
+    TOO_FAST = phrase("too fast")
+    TOO_STEEP = phrase("too steep")
+    STOPPED_DEAD = phrase("stopped too suddenly")
     BLOCKED = "blocked"
-    AT_END = "at the mechanical end"
-    NO_CURRENT = "without current"
-    JUMP = "its field jumped"
+    AT_END = phrase("at the mechanical end")
+    NO_CURRENT = phrase("without current")
+    JUMP = phrase("its field jumped")
     RESONANCE = "resonance"
 
 

@@ -16,14 +16,13 @@ Rule 3: held is standing with a queue: lines at rest, the block in hand kept wit
 
 from typing import Final
 
-from fraese.errors import StateError
 from fraese.motor.blockqueue import BlockQueue
 from fraese.motor.cursor import Cursor
 from fraese.motor.governor import Governor
 from fraese.motor.pulses import Pulses
 from fraese.motor.reactions import Reactions
 from fraese.motor.requests import Requests
-from fraese.motor.seams import Card, Clock, Ended, Port
+from fraese.motor.seams import Card, Clock, Ended, Port, only_at_standstill
 from fraese.motor.switches import InputWatcher, SwitchInput
 from fraese.motor.ticks import Ticks
 from fraese.motor.track import Track
@@ -98,7 +97,7 @@ class Run:
             StateError: with what can only be done at standstill.
         """
         if not self.standing:
-            raise StateError(f"The motors run: {what} at standstill; brake or stop first.")
+            raise only_at_standstill(what)
 
     def finish(self, ended: Ended) -> None:
         """The run is over: drop what is left, tell the card, say why."""

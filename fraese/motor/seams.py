@@ -16,6 +16,8 @@ from typing import Final, NamedTuple, Protocol
 
 from fraese.anythread import any_thread
 from fraese.blocks import Block
+from fraese.errors import StateError
+from fraese.phrases import phrase
 
 #: The three registers of a parallel port, by their offset. Plain integers: they index a tuple of
 #: functions several times a tick.
@@ -284,3 +286,10 @@ class StepDriver(Protocol):
 
     def close(self) -> None:
         """Motors off, port given back. Safe to call twice."""
+
+
+def only_at_standstill(what: str) -> StateError:
+    """Why a driver does not do something while motors run; half a sentence says what."""
+    return StateError(
+        phrase("The motors run: {what} at standstill; brake or stop first.", what=what)
+    )

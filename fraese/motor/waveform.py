@@ -24,6 +24,7 @@ from fraese.errors import TraceError
 from fraese.motor.meaning import Meaning
 from fraese.motor.pins import CONTROL_PINS, DATA_PINS, STATUS_PINS, Line
 from fraese.motor.seams import CONTROL, DATA, STATUS
+from fraese.phrases import phrase, reason
 
 _PINS: Final[Mapping[int, Mapping[int, Line]]] = {
     DATA: DATA_PINS,
@@ -141,12 +142,22 @@ class Waveform:
     def sentence(self) -> str:
         """What became of it, for people."""
         if self.failure:
-            return (
-                f"{self.path}: the waveform ends soon after {self.duration_s:.6g} s:"
-                f" {self.failure}; the job went on without it."
+            return phrase(
+                "{path}: the waveform ends soon after {duration_s:.6g} s: {failure}; the"
+                " job went on without it.",
+                path=self.path,
+                duration_s=self.duration_s,
+                failure=self.failure,
             )
-        said = f"{self.path}: waveform of {self.duration_s:.6g} s, {self.changes} changes"
-        return f"{said}; {self.missing} accesses are missing." if self.missing else f"{said}."
+        said = phrase(
+            "{path}: waveform of {duration_s:.6g} s, {changes} changes",
+            path=self.path,
+            duration_s=self.duration_s,
+            changes=self.changes,
+        )
+        if not self.missing:
+            return said + "."
+        return phrase("{said}; {missing} accesses are missing.", said=said, missing=self.missing)
 
     def _moment_ns(self, at_ns: int, register: int, bits: int) -> int:
         """When a change is written: never before the last one, or together with its own."""
@@ -219,7 +230,10 @@ def _opened(path: Path) -> TextIO:
     try:
         if path.is_file() and not _is_waveform(path):
             raise TraceError(
-                f"{path} is there and is no waveform; it is not overwritten. Name another file."
+                phrase(
+                    "{path} is there and is no waveform; it is not overwritten. Name another file.",
+                    path=path,
+                )
             )
         return path.open("w", encoding="ascii")
     except OSError as error:
@@ -233,7 +247,9 @@ def _is_waveform(path: Path) -> bool:
 
 
 def _refusal(path: Path, error: OSError) -> TraceError:
-    return TraceError(f"{path}: the waveform cannot be written: {error.strerror}.")
+    return TraceError(
+        phrase("{path}: the waveform cannot be written: {reason}.", path=path, reason=reason(error))
+    )
 
 
 def _name(pin: int, names: Mapping[int, str]) -> str:

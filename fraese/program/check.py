@@ -16,11 +16,12 @@ from typing import Final
 
 from fraese.blocks import Block
 from fraese.control.softlimits import why_not
-from fraese.errors import LimitError, ProgramError
+from fraese.errors import LimitError, ProgramError, placed
 from fraese.gcode import canon
 from fraese.gcode.extents import arc_extent
 from fraese.machine import Millimetres
 from fraese.motor.seams import Report
+from fraese.phrases import phrase
 from fraese.planner.ramps import SLOWEST_HZ
 from fraese.program.context import ProgramContext
 from fraese.program.outline import Outline, OutlineMaker
@@ -150,7 +151,7 @@ class Facts:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What leaves the travel, in sentences."""
-        return tuple(f"line {item.line}: {item.message}" for item in self.outside)
+        return tuple(placed(item.message, item.line) for item in self.outside)
 
 
 @dataclass
@@ -222,7 +223,7 @@ class Survey:
                 return
             if self.outside:
                 at = self.outside[0]
-                raise LimitError(f"{file}, line {at.line}: {at.message}")
+                raise LimitError(placed(at.message, at.line, file))
             facts = yield move
 
     def _take(self, move: canon.Move) -> None:
@@ -262,9 +263,12 @@ class Survey:
         least_mm_min = 60 * SLOWEST_HZ * mm / most if most else 0.0
         if move.feed_mm_min < least_mm_min:
             self._told_of_feed = True
-            told = (
-                f"F{move.feed_mm_min:g} is slower than the slowest step, one in"
-                f" {1 / SLOWEST_HZ:.2f} s: it is driven at {least_mm_min:.3g} mm/min"
+            told = phrase(
+                "F{feed_mm_min:g} is slower than the slowest step, one in"
+                " {slowest_hz:.2f} s: it is driven at {least_mm_min:.3g} mm/min",
+                feed_mm_min=move.feed_mm_min,
+                slowest_hz=1 / SLOWEST_HZ,
+                least_mm_min=least_mm_min,
             )
             self.notes.append(Complaint(*self.source.complaint(move.line, told)))
 

@@ -18,6 +18,7 @@ from typing import IO, BinaryIO, Final
 
 from fraese.errors import ProgramError
 from fraese.gcode.text import lines_of, open_plain
+from fraese.phrases import phrase, reason
 
 #: Up to here a copy is kept in memory.
 _IN_MEMORY_BYTES: Final = 4 << 20
@@ -136,7 +137,7 @@ def take(path: Path, file: str = "") -> Content | None:
             after = os.fstat(stream.fileno())
         if Stamp.of(after) == content.stamp and content.size == after.st_size:
             return content
-    raise ProgramError("is being written just now; open it when that is done.", file=file)
+    raise ProgramError(phrase("is being written just now; open it when that is done."), file=file)
 
 
 def taken_from(
@@ -151,7 +152,14 @@ def taken_from(
         ProgramError: it cannot be read or kept, or is too large.
     """
     if size > MOST_BYTES:
-        raise ProgramError(f"is larger than {MOST_BYTES >> 20} MB, the most there can be.", 0, file)
+        raise ProgramError(
+            phrase(
+                "is larger than {most_bytes} MB, the most there can be.",
+                most_bytes=MOST_BYTES >> 20,
+            ),
+            0,
+            file,
+        )
     copy = tempfile.SpooledTemporaryFile(_IN_MEMORY_BYTES)  # noqa: SIM115
     digest, left = hashlib.sha256(), size
     try:
@@ -161,7 +169,9 @@ def taken_from(
             left -= len(chunk)
     except OSError as error:
         copy.close()
-        raise ProgramError(f"cannot be copied: {error.strerror}.", file=file) from error
+        raise ProgramError(
+            phrase("cannot be copied: {reason}.", reason=reason(error)), file=file
+        ) from error
     return Content(file, copy, digest.hexdigest(), size - left, stamp)  # type: ignore[arg-type]
 
 

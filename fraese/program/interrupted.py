@@ -20,6 +20,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from fraese.control.jobs import line_of, move_of
 from fraese.errors import ProgramError, StateError
 from fraese.gcode import canon
+from fraese.phrases import phrase
 from fraese.program.context import ProgramContext
 
 #: A record of the state has no room for what more probes found.
@@ -82,12 +83,14 @@ class Interrupted(BaseModel):
         """
         if kept is None:
             raise StateError(
-                "No program was cut short on this machine: there is nothing to go on with."
+                phrase("No program was cut short on this machine: there is nothing to go on with.")
             )
         try:
             return cls.model_validate(kept)
         except ValidationError as error:
-            raise ProgramError("what was kept of the interrupted job is damaged.") from error
+            raise ProgramError(
+                phrase("what was kept of the interrupted job is damaged.")
+            ) from error
 
     def require_same_machine(self, now: ProgramContext) -> None:
         """See that its coordinates are still those of the machine.
@@ -97,24 +100,36 @@ class Interrupted(BaseModel):
         """
         names = now.machine.names
         if len(self.start_steps) != len(names):
-            raise StateError(f"{self.name} was run on a machine with other axes.")
+            raise StateError(phrase("{name} was run on a machine with other axes.", name=self.name))
         if self.answers is None:
             raise StateError(
-                f"{self.name} has probed more than {_MOST_ANSWERS} times: run it from a line"
-                " (fraese run --from-line)."
+                phrase(
+                    "{name} has probed more than {most_answers} times: run it from a line"
+                    " (fraese run --from-line).",
+                    name=self.name,
+                    most_answers=_MOST_ANSWERS,
+                )
             )
         lost = self._axes(now, then=True)
         if lost:
             raise StateError(
-                f"{self.name} was run with {lost} referenced, and now nobody knows the place:"
-                " reference first (fraese home); nothing has moved."
+                phrase(
+                    "{name} was run with {lost} referenced, and now nobody knows the place:"
+                    " reference first (fraese home); nothing has moved.",
+                    name=self.name,
+                    lost=lost,
+                )
             )
         moved = self._axes(now, then=False)
         if moved:
             raise StateError(
-                f"{self.name} was run with {moved} not referenced, and the reference since has"
-                " given the place other numbers: run it from a line (fraese run --from-line);"
-                " nothing has moved."
+                phrase(
+                    "{name} was run with {moved} not referenced, and the reference since has"
+                    " given the place other numbers: run it from a line (fraese run"
+                    " --from-line); nothing has moved.",
+                    name=self.name,
+                    moved=moved,
+                )
             )
 
     def _axes(self, now: ProgramContext, *, then: bool) -> str:
@@ -126,7 +141,13 @@ class Interrupted(BaseModel):
             )
             if was is then and is_now is not then
         ]
-        return f"{'axes' if len(names) > 1 else 'axis'} {' '.join(names)}" if names else ""
+        return (
+            phrase("axes {names}", names=" ".join(names))
+            if len(names) > 1
+            else phrase("axis {names}", names=names[0])
+            if names
+            else ""
+        )
 
     def context(self, now: ProgramContext) -> ProgramContext:
         """The machine as the program found it, with what a person has changed since."""
@@ -146,9 +167,13 @@ class Interrupted(BaseModel):
         """What a person should know who goes on with it, sentences."""
         touched = self._touched(now.parameters)
         if any(number in self.changed for number in touched):
-            return ["Work offsets were changed since; the program sets them: they are as it says."]
+            return [
+                phrase(
+                    "Work offsets were changed since; the program sets them: they are as it says."
+                )
+            ]
         if touched:
-            return ["Work offsets were changed since: they count."]
+            return [phrase("Work offsets were changed since: they count.")]
         return []
 
     def _touched(self, now: Mapping[int, float]) -> list[int]:
@@ -168,8 +193,14 @@ def cut_short(kept: Mapping[str, Any] | None) -> tuple[str, ...]:
     try:
         left = Interrupted.of(kept)
     except ProgramError as error:
-        return (f"{str(error).capitalize()}",)
-    return (f"{left.name} was cut short in line {left.line}: fraese resume goes on with it.",)
+        return (str(error).capitalize(),)
+    return (
+        phrase(
+            "{name} was cut short in line {line}: fraese resume goes on with it.",
+            name=left.name,
+            line=left.line,
+        ),
+    )
 
 
 class Heard(Protocol):

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from fraese.errors import ProgramError
+from fraese.phrases import phrase, reason
 from fraese.program.content import Content, take
 from fraese.program.taken import Taken
 
@@ -50,8 +51,11 @@ class KeptPrograms:
         contents = [taken.main, *(file for file in taken.files.values() if file is not None)]
         if sum(content.size for content in contents) > _MOST_BYTES:
             raise ProgramError(
-                f"no copy is kept, since it is larger than {_MOST_BYTES >> 20} MB; to go on with it"
-                " later, leave the file as it is.",
+                phrase(
+                    "no copy is kept, since it is larger than {most_bytes} MB; to go on with"
+                    " it later, leave the file as it is.",
+                    most_bytes=_MOST_BYTES >> 20,
+                ),
                 file=taken.path.name,
             )
         try:
@@ -65,8 +69,11 @@ class KeptPrograms:
             _sync(self._folder)
         except OSError as error:
             raise ProgramError(
-                f"no copy can be kept: {error.strerror}; to go on with it later, leave the file as"
-                " it is.",
+                phrase(
+                    "no copy can be kept: {reason}; to go on with it later, leave the file"
+                    " as it is.",
+                    reason=reason(error),
+                ),
                 file=taken.path.name,
             ) from error
 
@@ -85,7 +92,9 @@ class KeptPrograms:
             }
             return Taken(path, self._content(content_hash, index["path"]), files)
         except (ValueError, KeyError, TypeError, AttributeError) as error:
-            raise ProgramError("the kept copy of this program is gone or damaged.") from error
+            raise ProgramError(
+                phrase("the kept copy of this program is gone or damaged.")
+            ) from error
 
     def _content(self, content_hash: str, file: str) -> Content:
         content = take(self._folder / content_hash, file)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from fraese.errors import ProgramError
 from fraese.gcode.text import MAX_LINE, WIDE_MARKS, decoded
+from fraese.phrases import phrase
 from fraese.program.content import Content
 
 _CHUNK_BYTES: Final = 1 << 20
@@ -105,7 +106,9 @@ class LineIndex(Sequence[str]):
             if len(nothing):
                 line = lines + int(np.searchsorted(starts, at + int(nothing[0]), "right")) + 1
                 raise ProgramError(
-                    "this is a binary file (a NUL byte), not a program", line, self._content.file
+                    phrase("this is a binary file (a NUL byte), not a program"),
+                    line,
+                    self._content.file,
                 )
             lines += len(starts)
             parts.append(starts)
@@ -122,7 +125,7 @@ class LineIndex(Sequence[str]):
             # Four bytes make a character at most.
             if len(decoded(self._bytes(start, min(end, start + 4 * MAX_LINE + 4)))) > MAX_LINE:
                 raise ProgramError(
-                    f"the line is longer than {MAX_LINE} characters",
+                    phrase("the line is longer than {max_line} characters", max_line=MAX_LINE),
                     index + 1,
                     self._content.file,
                 )

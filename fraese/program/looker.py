@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import IO, Any, Final
 
 from fraese.errors import Cancelled, ProgramError
+from fraese.phrases import phrase
 from fraese.program.check import Facts, Stage, Tell
 from fraese.program.content import Content, Stamp, taken_from
 from fraese.program.context import ProgramContext
@@ -27,7 +28,7 @@ from fraese.spawn import command, environment
 
 _MODULE: Final = "fraese.program.lookthrough"
 _MOST_MEMORY_BYTES: Final = 1 << 30
-_GIVEN_UP: Final = "The look-through was given up; nothing has moved."
+_GIVEN_UP: Final = phrase("The look-through was given up; nothing has moved.")
 #: What the wire says when the other side is gone.
 _GONE: Final = (OSError, EOFError, ValueError, pickle.UnpicklingError)
 #: A file as it is announced: its name in messages, size and stamp; None: there is none.
@@ -75,7 +76,8 @@ class Looker:
             if self._given_up:
                 raise Cancelled(_GIVEN_UP) from error
             raise ProgramError(
-                "looking it through ended unexpectedly; try again.", file=self._taken.main.file
+                phrase("looking it through ended unexpectedly; try again."),
+                file=self._taken.main.file,
             ) from error
         return facts
 

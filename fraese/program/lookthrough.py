@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
+from fraese.phrases import phrase
 from fraese.program.check import Facts, Stage, Tell, check_program
 from fraese.program.context import ProgramContext
 from fraese.program.looker import receive_file, send_file
@@ -66,7 +67,10 @@ def _looked(
         return check_program(taken, context, plan=plan, tell=tell)
     except MemoryError:
         return Facts.refused(
-            f"to look it through would need more than {most_bytes >> 20} MB of memory."
+            phrase(
+                "to look it through would need more than {most_bytes} MB of memory.",
+                most_bytes=most_bytes >> 20,
+            )
         )
 
 

@@ -16,6 +16,7 @@ from typing import Final
 
 from fraese.control.controller import Controller
 from fraese.errors import UsageError
+from fraese.phrases import phrase
 from fraese.program.typed import run_text
 
 
@@ -52,9 +53,22 @@ class Probing:
         names = {name.split("_mm")[0]: name for name in self.__dataclass_fields__}
         for name, value in values.items():
             if name not in names:
-                raise UsageError(f'Probing knows no "{name}"; it knows {", ".join(sorted(names))}.')
+                raise UsageError(
+                    phrase(
+                        'Probing knows no "{name}"; it knows {names}.',
+                        name=name,
+                        names=", ".join(sorted(names)),
+                    )
+                )
             if not 0 <= value <= _MOST or (value == 0 and name not in _MAY_BE_NOTHING):
-                raise UsageError(f"{name} {value:g}: above 0 and at most {_MOST:g}.")
+                raise UsageError(
+                    phrase(
+                        "{name} {value:g}: above 0 and at most {most:g}.",
+                        name=name,
+                        value=value,
+                        most=_MOST,
+                    )
+                )
         return replace(self, **{names[name]: value for name, value in values.items()})
 
 
@@ -188,17 +202,17 @@ def _boss(cycle: _Cycle) -> None:
 
 #: By name: what is done, and the axes that it needs.
 CYCLES: Final[dict[str, tuple[Callable[[_Cycle], None], str]]] = {
-    "down on work or plate": (_down, "z"),
-    "edge X+": (_edge("x", 1), "x"),
-    "edge X−": (_edge("x", -1), "x"),
-    "edge Y+": (_edge("y", 1), "y"),
-    "edge Y−": (_edge("y", -1), "y"),
-    "corner X+ Y+": (_corner(1, 1), "xy"),
-    "corner X− Y+": (_corner(-1, 1), "xy"),
-    "corner X+ Y−": (_corner(1, -1), "xy"),
-    "corner X− Y−": (_corner(-1, -1), "xy"),
-    "centre of a hole": (_hole, "xy"),
-    "centre of a boss": (_boss, "xyz"),
+    phrase("down on work or plate"): (_down, "z"),
+    phrase("edge X+"): (_edge("x", 1), "x"),
+    phrase("edge X−"): (_edge("x", -1), "x"),
+    phrase("edge Y+"): (_edge("y", 1), "y"),
+    phrase("edge Y−"): (_edge("y", -1), "y"),
+    phrase("corner X+ Y+"): (_corner(1, 1), "xy"),
+    phrase("corner X− Y+"): (_corner(-1, 1), "xy"),
+    phrase("corner X+ Y−"): (_corner(1, -1), "xy"),
+    phrase("corner X− Y−"): (_corner(-1, -1), "xy"),
+    phrase("centre of a hole"): (_hole, "xy"),
+    phrase("centre of a boss"): (_boss, "xyz"),
 }
 
 
@@ -221,7 +235,7 @@ def probe(controller: Controller, name: str, values: Mapping[str, float]) -> Non
         StateError: if the machine is not ready.
     """
     if name not in cycles_for(controller.machine.names):
-        raise UsageError(f'There is no cycle "{name}" on this machine.')
+        raise UsageError(phrase('There is no cycle "{name}" on this machine.', name=name))
     state = controller.state()
     cycle = _Cycle(Probing().given(values), dict(zip(state.axes, state.work_mm, strict=True)))
     CYCLES[name][0](cycle)

@@ -9,10 +9,11 @@ from typing import Final
 from fraese.control.controller import Controller
 from fraese.control.jobs import STANDSTILL, Job
 from fraese.control.retract import Retract
-from fraese.errors import LimitError, ProgramError, StateError
+from fraese.errors import LimitError, ProgramError, StateError, placed
 from fraese.gcode.colours import Part, parts_of
 from fraese.log import logged
 from fraese.machine import Millimetres
+from fraese.phrases import joined, phrase
 from fraese.program.check import Facts, Stage, Survey, check_program
 from fraese.program.context import ProgramContext
 from fraese.program.interrupted import Interrupted, JobNote
@@ -33,7 +34,7 @@ _ROUND: Final[dict[int, tuple[tuple[int, ...], ...]]] = {
     2: ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0)),
 }
 #: Behind what became of a file.
-_AS_OPENED: Final = " What runs is what it held when it was opened."
+_AS_OPENED: Final = phrase(" What runs is what it held when it was opened.")
 
 
 class Program:
@@ -122,7 +123,7 @@ class Program:
         for refused in facts.errors:
             raise ProgramError(refused.message, refused.line, str(self.path))
         for outside in facts.outside:
-            raise LimitError(f"{self.path}, line {outside.line}: {outside.message}")
+            raise LimitError(placed(outside.message, outside.line, str(self.path)))
         self._looked = context, facts
         return facts
 
@@ -215,7 +216,9 @@ class Program:
             note=JobNote(self.name, self.content_hash, begun.found, translation).at,
         )
         if news or unkept:
-            controller.say(" ".join(text for text in (news and news + _AS_OPENED, unkept) if text))
+            controller.say(
+                joined(" ", [text for text in (news and news + _AS_OPENED, unkept) if text])
+            )
 
     def _keep(self) -> str:
         """Keep a copy for later; why not, a sentence."""
@@ -244,12 +247,14 @@ class Program:
         known = self.question(controller) is None and self._looked is not None
         facts = self._looked[1] if known and self._looked else self.check(controller, plan=False)
         if facts.low_mm is None or facts.high_mm is None:
-            raise ProgramError("nothing moves in this program.", file=str(self.path))
+            raise ProgramError(phrase("nothing moves in this program."), file=str(self.path))
         context = ProgramContext.of(controller)
         points = _frame_of(context, facts.low_mm, facts.high_mm)
         if not points:
-            raise ProgramError("there is no frame: no axis X or Y moves.", file=str(self.path))
-        controller.drive_points(f"frame {self.name}", points)
+            raise ProgramError(
+                phrase("there is no frame: no axis X or Y moves."), file=str(self.path)
+            )
+        controller.drive_points(phrase("frame {name}", name=self.name), points)
 
     def begun(
         self,
@@ -315,8 +320,10 @@ def _frame_of(
 def _require_reference(context: ProgramContext) -> None:
     if not all(context.referenced) and context.config.run.unreferenced == "forbid":
         raise StateError(
-            "The machine is not referenced and run.unreferenced forbids running so:"
-            " reference it first; nothing has moved."
+            phrase(
+                "The machine is not referenced and run.unreferenced forbids running so:"
+                " reference it first; nothing has moved."
+            )
         )
 
 

@@ -13,6 +13,7 @@ from collections.abc import Callable
 
 from fraese.control.controller import Controller
 from fraese.errors import StateError
+from fraese.phrases import phrase
 from fraese.program.context import ProgramContext
 from fraese.program.interrupted import Interrupted
 from fraese.program.kept import KeptPrograms
@@ -63,14 +64,21 @@ class Resumption:
         context = ProgramContext.of(controller)
         left.require_same_machine(context)
         if controller.position.doubt is not None:
-            raise StateError(f"{controller.position.doubt_in_words()[:-1]}; nothing has moved.")
+            raise StateError(
+                phrase(
+                    "{doubt_in_words}; nothing has moved.",
+                    doubt_in_words=controller.position.doubt_in_words()[:-1],
+                )
+            )
         controller.check_moves([])
         return cls(left, Program(taken, apart=apart, kept=kept), context)
 
     def news(self) -> tuple[str, ...]:
         """What a person should know who goes on with it, sentences."""
         changed = self.program.news()
-        as_started = (f"{changed} What runs is what it held when it was started.",)
+        as_started = (
+            phrase("{changed} What runs is what it held when it was started.", changed=changed),
+        )
         return (*self._left.news(self._context), *(as_started if changed else ()))
 
     def way(self, back: int = 0, given_up: Callable[[], bool] = lambda: False) -> Way:
@@ -96,8 +104,11 @@ class Resumption:
         """
         if ProgramContext.of(controller) != self._context:
             raise StateError(
-                f"The machine has changed since it was shown how to go on with {self.name}: ask"
-                " again; nothing has moved."
+                phrase(
+                    "The machine has changed since it was shown how to go on with {name}:"
+                    " ask again; nothing has moved.",
+                    name=self.name,
+                )
             )
         lines = len(self.program.lines)
         self.program.start(controller, past=self._left, back=back, lines=lines)

@@ -12,6 +12,7 @@ from typing import Final
 
 from fraese.errors import ProgramError
 from fraese.gcode import canon
+from fraese.phrases import phrase
 from fraese.program.context import ProgramContext
 from fraese.program.source import ProgramSource
 from fraese.program.translate import Moves, Numbers
@@ -137,8 +138,11 @@ class Beginning:
 
 
 def _nothing_there(place: Place, end_line: int = 0) -> ProgramError:
-    ends = f"; the program ends in line {end_line}" if end_line else ""
-    return ProgramError(f"there is nothing to run from line {place.line} on{ends}.", place.line)
+    ends = phrase("; the program ends in line {end_line}", end_line=end_line) if end_line else ""
+    return ProgramError(
+        phrase("there is nothing to run from line {line} on{ends}.", line=place.line, ends=ends),
+        place.line,
+    )
 
 
 def _rest(moves: Moves, facts: canon.Facts | None) -> Moves:

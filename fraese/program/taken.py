@@ -12,6 +12,7 @@ from pathlib import Path
 from fraese.errors import ProgramError
 from fraese.gcode.reader import Kind, kind_of
 from fraese.gcode.text import require_inside
+from fraese.phrases import phrase
 from fraese.program.content import Content, is_still, take
 
 
@@ -53,8 +54,12 @@ class Taken:
         """What became of the file since, a sentence; empty: it holds what it did."""
         still = is_still(self.path, self.main)
         if still is None:
-            return f"{self.path.name} is gone from where it was opened."
-        return "" if still else f"{self.path.name} has changed on disk since it was opened."
+            return phrase("{name} is gone from where it was opened.", name=self.path.name)
+        return (
+            ""
+            if still
+            else phrase("{name} has changed on disk since it was opened.", name=self.path.name)
+        )
 
 
 def take_program(path: Path) -> Taken:
@@ -65,7 +70,7 @@ def take_program(path: Path) -> Taken:
     """
     main = take(path)
     if main is None:
-        raise ProgramError("there is no such file.", file=str(path))
+        raise ProgramError(phrase("there is no such file."), file=str(path))
     if main.is_blank:
-        raise ProgramError("is empty: there is nothing to run.", file=str(path))
+        raise ProgramError(phrase("is empty: there is nothing to run."), file=str(path))
     return Taken(path, main, {})

@@ -19,6 +19,7 @@ from fraese.control.jobs import MOVE_BITS, STANDSTILL, TURN, Ask, Demand, Job, m
 from fraese.errors import ProbeError
 from fraese.gcode import canon
 from fraese.motor.seams import Ended, Report
+from fraese.phrases import joined, phrase
 from fraese.planner.planner import Planner
 from fraese.program.context import ProgramContext
 from fraese.program.visit import Visit
@@ -29,7 +30,8 @@ Part = Generator[Demand, Report, canon.Facts | None]
 
 #: Blocks of what is only looked through are at most so long: no override has to act on them.
 _LOOKED_BLOCK_S: Final = 1.0
-_DIRECTIONS: Final = {1: "clockwise", -1: "counter-clockwise"}
+_DIRECTIONS: Final = {1: phrase("clockwise"), -1: phrase("counter-clockwise")}
+_COOLANTS: Final = {"mist": phrase("mist"), "flood": phrase("flood")}
 
 
 class Numbers:
@@ -139,7 +141,7 @@ class Translation:
         before, self._line = self._line, move.line
         if before and self._handling is not None and self._handling.single_block:
             yield from _each(self.planner.drain())
-            yield Ask(f"Single block: line {move.line} comes next.", admits=False)
+            yield Ask(phrase("Single block: line {line} comes next.", line=move.line), admits=False)
         return None
 
     def _tag(self, move: canon.Move) -> int:
@@ -199,14 +201,18 @@ class Translation:
                 yield from _each(self.planner.dwell(spin_up_s, self._tag(move)))
             return None
         text = (
-            f"Spindle on, {_DIRECTIONS[move.direction]}, {move.rev_min:g} rev/min"
+            phrase(
+                "Spindle on, {directions}, {rev_min:g} rev/min",
+                directions=_DIRECTIONS[move.direction],
+                rev_min=move.rev_min,
+            )
             if on
-            else "Spindle off"
+            else phrase("Spindle off")
         )
         if self._is_to_be_confirmed(on):
-            return (yield from self._ask(f"{text}: confirm.", move))
+            return (yield from self._ask(phrase("{text}: confirm.", text=text), move))
         else:
-            self._say(f"Line {move.line}: {text} (switched by hand).")
+            self._say(phrase("Line {line}: {text} (switched by hand).", line=move.line, text=text))
         return None
 
     def _is_to_be_confirmed(self, on: bool) -> bool:
@@ -217,9 +223,15 @@ class Translation:
 
     def _coolant(self, move: canon.Coolant) -> Part:
         if not (yield from self._switch("coolant", move.mist or move.flood)):
-            kinds = [name for name in ("mist", "flood") if getattr(move, name)]
-            text = " and ".join(kinds) + " on" if kinds else "off"
-            self._say(f"Line {move.line}: coolant {text} (switched by hand).")
+            kinds = [word for name, word in _COOLANTS.items() if getattr(move, name)]
+            text = (
+                phrase("{kinds} on", kinds=joined(phrase(" and "), kinds))
+                if kinds
+                else phrase("off")
+            )
+            self._say(
+                phrase("Line {line}: coolant {text} (switched by hand).", line=move.line, text=text)
+            )
         return None
 
     def _switch(self, name: str, on: bool) -> Generator[Block, Report, bool]:
@@ -237,10 +249,16 @@ class Translation:
     def _pause(self, move: canon.Pause) -> Part:
         if move.optional and not (self._handling and self._handling.optional_stop):
             return None
-        return (yield from self._ask(f"Program stop in line {move.line}: go on?", move))
+        return (
+            yield from self._ask(
+                phrase("Program stop in line {line}: go on?", line=move.line), move
+            )
+        )
 
     def _tool(self, move: canon.Tool) -> Part:
-        question = f"Tool change in line {move.line}: put in tool {move.number}."
+        question = phrase(
+            "Tool change in line {line}: put in tool {number}.", line=move.line, number=move.number
+        )
         return (yield from self._ask(question, move))
 
     def _ask(self, question: str, move: canon.Move) -> Part:
@@ -276,8 +294,12 @@ class Translation:
         from_mm = self._point(where.position_steps)
         if switches.probe_closed == move.until_closed:
             raise ProbeError(
-                f"line {move.line}: the probe {'touches' if move.until_closed else 'is free'}"
-                f" already; the machine stands at {where.in_words()}.",
+                phrase(
+                    "line {line}: the probe {word} already; the machine stands at {in_words}.",
+                    line=move.line,
+                    word=phrase("touches") if move.until_closed else phrase("is free"),
+                    in_words=where.in_words(),
+                ),
                 alarms.PROBE_TOUCHES,
                 line=move.line,
             )
@@ -290,9 +312,12 @@ class Translation:
         self.planner.reset(where.position_steps, where.slack_steps)
         if move.must_touch and not touched:
             raise ProbeError(
-                f"line {move.line}: the probe never"
-                f" {'touched' if move.until_closed else 'came free'}; the machine stands at"
-                f" {where.in_words()}.",
+                phrase(
+                    "line {line}: the probe never {word}; the machine stands at {in_words}.",
+                    line=move.line,
+                    word=phrase("touched") if move.until_closed else phrase("came free"),
+                    in_words=where.in_words(),
+                ),
                 line=move.line,
             )
         at_mm = self._point(where.position_steps)
@@ -322,7 +347,11 @@ class Translation:
         return self._context.machine.to_mm(steps)
 
     def _message(self, move: canon.Message) -> Part:
-        self._say(f"Line {move.line}: {move.text}." if move.kind == "note" else move.text)
+        self._say(
+            phrase("Line {line}: {text}.", line=move.line, text=move.text)
+            if move.kind == "note"
+            else move.text
+        )
         return None
         yield
 

@@ -11,6 +11,7 @@ from typing import Final
 
 from fraese.control.controller import Controller
 from fraese.control.workcommands import select_system
+from fraese.phrases import phrase
 from fraese.program.content import Content, taken_from
 from fraese.program.program import Program
 from fraese.program.taken import Taken
@@ -31,7 +32,7 @@ class _Typed(Taken):
 
 def _content(text: str) -> Content:
     data = text.encode()
-    return taken_from(io.BytesIO(data), "what was typed", len(data))
+    return taken_from(io.BytesIO(data), phrase("what was typed"), len(data))
 
 
 def run_text(controller: Controller, text: str, name: str = "typed line") -> None:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from fraese.control.controller import Controller
 from fraese.gcode import canon
 from fraese.machine import Millimetres, Steps
+from fraese.phrases import joined, phrase
 from fraese.program.context import Height, ProgramContext
 from fraese.workframe import WorkFrame
 
@@ -76,11 +77,12 @@ class Visit:
         here = machine.to_mm(self._controller.position.position_steps)
         there = machine.to_mm(self._target())
         legs = self._legs(here, there)
-        words = "; ".join(
-            f"{'rapid' if feed is None else f'feed {feed:g} mm/min'} to {machine.in_words(point)}"
-            for point, feed in legs
-        )
-        return Back(legs, f"Back to the work: {words} (machine): go?")
+        words = joined("; ", (self._leg_in_words(point, feed) for point, feed in legs))
+        return Back(legs, phrase("Back to the work: {words} (machine): go?", words=words))
+
+    def _leg_in_words(self, point: Millimetres, feed_mm_min: float | None) -> str:
+        by = phrase("rapid") if feed_mm_min is None else _feed(feed_mm_min)
+        return phrase("{by} to {place}", by=by, place=self._context.machine.in_words(point))
 
     def _legs(
         self, here: Millimetres, there: Millimetres
@@ -116,3 +118,7 @@ class Visit:
         """What the program is told: where it stands, and what was changed."""
         at_mm = self._context.machine.to_mm(self._controller.position.position_steps)
         return canon.Facts(position_mm=at_mm, parameters=dict(self.changed))
+
+
+def _feed(feed_mm_min: float) -> str:
+    return phrase("feed {feed:g} mm/min", feed=feed_mm_min)

@@ -12,6 +12,7 @@ from fraese.control.state import WorkFacts
 from fraese.errors import Cancelled
 from fraese.gcode import canon
 from fraese.machine import Machine, Millimetres
+from fraese.phrases import joined, phrase
 from fraese.program.runfromline import Beginning
 from fraese.program.source import ProgramSource
 from fraese.program.translate import Numbers
@@ -51,11 +52,11 @@ class Way:
 
     def lines(self, name: str) -> list[str]:
         """All of it, for a program of this name."""
-        legs = [f"  {', '.join(filter(None, leg[:2]))}" for leg in self.legs]
+        legs = ["  " + joined(", ", filter(None, leg[:2])) for leg in self.legs]
         return [
-            f"{name} from line {self.line}:",
+            phrase("{name} from line {line}:", name=name, line=self.line),
             *legs,
-            f"  then the program, with {self.in_force}",
+            phrase("  then the program, with {in_force}", in_force=self.in_force),
         ]
 
 
@@ -80,7 +81,7 @@ def way_of(begun: Beginning, given_up: Callable[[], bool] = lambda: False) -> Wa
             break
         if isinstance(move, canon.Breath):
             if given_up():
-                raise Cancelled("Given up; nothing has moved.")
+                raise Cancelled(phrase("Given up; nothing has moved."))
             continue
         if isinstance(move, canon.Offsets):
             continue
@@ -99,23 +100,33 @@ def _leg(move: canon.Move, here: Millimetres, source: ProgramSource, machine: Ma
     """A move on that way; its feed counts along mm or degrees."""
     if isinstance(move, canon.Rapid | canon.Feed):
         unit = "°" if source.axes.way(here, move.to).is_angle else "mm"
-        how = f"feed {move.feed_mm_min:g} {unit}/min" if isinstance(move, canon.Feed) else "rapid"
+        how = (
+            phrase("feed {feed_mm_min:g} {unit}/min", feed_mm_min=move.feed_mm_min, unit=unit)
+            if isinstance(move, canon.Feed)
+            else "rapid"
+        )
         place, work = machine.in_words(move.to), machine.in_words(source.frame.to_work(move.to))
-        also = f"{work} (work)" if work != place else ""
-        return Leg(f"{how} to {place} (machine)", also, is_move=True)
+        also = phrase("{work} (work)", work=work) if work != place else ""
+        return Leg(phrase("{how} to {place} (machine)", how=how, place=place), also, is_move=True)
     return Leg(_switched(move))
 
 
 def _switched(move: canon.Move) -> str:
     """What moves nothing."""
     if isinstance(move, canon.Spindle):
-        return f"spindle {'on' if move.direction else 'off'}, {move.rev_min:g} rev/min"
+        return phrase(
+            "spindle {word}, {rev_min:g} rev/min",
+            word=phrase("on") if move.direction else phrase("off"),
+            rev_min=move.rev_min,
+        )
     if isinstance(move, canon.Coolant):
-        return f"coolant {'on' if move.mist or move.flood else 'off'}"
+        return phrase(
+            "coolant {word}", word=phrase("on") if move.mist or move.flood else phrase("off")
+        )
     if isinstance(move, canon.Tool):
-        return f"tool {move.number}"
+        return phrase("tool {number}", number=move.number)
     if isinstance(move, canon.PathControl):
-        return f"corners as with {move.mode.value}"
+        return phrase("corners as with {value}", value=move.mode.value)
     return type(move).__name__.lower()
 
 
@@ -124,7 +135,11 @@ def _run_up(begun: Beginning, move: canon.Spindle) -> list[Leg]:
     config = begun.now.config
     waits = move.direction and config.outputs.mask("spindle") and not begun.now.has_laser
     spin_up_s = config.run.spin_up_s
-    return [Leg(f"wait {spin_up_s:g} s for it")] if waits and spin_up_s else []
+    return (
+        [Leg(phrase("wait {spin_up_s:g} s for it", spin_up_s=spin_up_s))]
+        if waits and spin_up_s
+        else []
+    )
 
 
 def _height(begun: Beginning) -> str:
@@ -132,20 +147,34 @@ def _height(begun: Beginning) -> str:
     if height is None:
         return ""
     axis = machine.axes[height.axis]
-    return f"{axis.name.upper()} {axis.with_unit(f'{height.mm:.3f}')} (machine)"
+    return phrase(
+        "{name} {with_unit} (machine)",
+        name=axis.name.upper(),
+        with_unit=axis.with_unit(f"{height.mm:.3f}"),
+    )
 
 
 def _in_force(source: ProgramSource) -> str:
     modal, frame = source.modal, WorkFacts.of(source.frame, 0)
-    return (
-        f"feed {_feed_in_words(source)}, tool {modal.tool}, plane G{modal.plane},"
-        f" work offset {frame.system}{frame.more()}, {'mm' if modal.scale_mm == 1 else 'inches'},"
-        f" {'absolute' if modal.absolute else 'incremental'}"
+    return phrase(
+        "feed {feed_in_words}, tool {tool}, plane G{plane}, work offset {system}{more},"
+        " {word}, {word_2}",
+        feed_in_words=_feed_in_words(source),
+        tool=modal.tool,
+        plane=modal.plane,
+        system=frame.system,
+        more=frame.more(),
+        word=phrase("mm") if modal.scale_mm == 1 else phrase("inches"),
+        word_2=phrase("absolute") if modal.absolute else phrase("incremental"),
     )
 
 
 def _feed_in_words(source: ProgramSource) -> str:
     """The feed in force; where there are rotary axes, it is one of degrees for them."""
     modal = source.modal
-    said = f"{modal.feed_mm_min:g} mm/min"
-    return said if source.axes.only_linear else f"{said} or {modal.feed_word:g} °/min"
+    said = phrase("{feed_mm_min:g} mm/min", feed_mm_min=modal.feed_mm_min)
+    return (
+        said
+        if source.axes.only_linear
+        else phrase("{said} or {feed_word:g} °/min", said=said, feed_word=modal.feed_word)
+    )

@@ -22,6 +22,7 @@ from fraese.control.controller import Controller
 from fraese.control.jobs import STANDSTILL, Ask, Doing, Job
 from fraese.control.softlimits import require_finite
 from fraese.errors import LimitError
+from fraese.phrases import phrase
 
 #: How often it is measured by a switch.
 TIMES: Final = (1, 100)
@@ -95,11 +96,18 @@ class BacklashTest:
         """
         low, high = TIMES
         if not low <= times <= high:
-            raise LimitError(f"Backlash is measured {low} to {high} times, not {times}.")
+            raise LimitError(
+                phrase(
+                    "Backlash is measured {low} to {high} times, not {times}.",
+                    low=low,
+                    high=high,
+                    times=times,
+                )
+            )
         self._moves.require_switches()
         self._by, self._found_mm = "switch", ()
         name = self._moves.axis.name.upper()
-        self._controller.start(f"backlash of {name}", self._by_switch(times))
+        self._controller.start(phrase("backlash of {name}", name=name), self._by_switch(times))
 
     def _by_switch(self, times: int) -> Job:
         moves, axis = self._moves, self._moves.axis
@@ -107,9 +115,19 @@ class BacklashTest:
         yield from moves.find(sign)
         yield from moves.off_contact(sign)
         for number in range(1, times + 1):
-            yield Doing(f"{number} of {times}: creeping in until the switch closes")
+            yield Doing(
+                phrase(
+                    "{number} of {times}: creeping in until the switch closes",
+                    number=number,
+                    times=times,
+                )
+            )
             closed = yield from moves.creep(sign, closed=True, longest_mm=_MOST_MM)
-            yield Doing(f"{number} of {times}: creeping out until it opens")
+            yield Doing(
+                phrase(
+                    "{number} of {times}: creeping out until it opens", number=number, times=times
+                )
+            )
             opened = yield from moves.creep(-sign, closed=False, longest_mm=_MOST_MM)
             play = abs(closed - opened) - moves.stride_steps
             self._found_mm = (*self._found_mm, axis.to_mm(max(0, play)))
@@ -133,19 +151,30 @@ class BacklashTest:
         require_finite(axis, way_mm)
         way = sign * axis.to_steps(abs(way_mm))
         if not way:
-            raise LimitError(f"A way must be at least one step of {axis.with_unit(axis.step_mm)}.")
+            raise LimitError(
+                phrase(
+                    "A way must be at least one step of {with_unit}.",
+                    with_unit=axis.with_unit(axis.step_mm),
+                )
+            )
         target = list(where.position_steps)
         target[self._moves.motor] += 2 * way
         self._controller.check_moves([tuple(target)])
         self._by, self._found_mm = "gauge", ()
-        self._controller.start(f"backlash of {axis.name.upper()}", self._by_gauge(way))
+        self._controller.start(
+            phrase("backlash of {name}", name=axis.name.upper()), self._by_gauge(way)
+        )
 
     def _by_gauge(self, way: int) -> Job:
         moves, axis, feed = self._moves, self._moves.axis, self._controller.config.jog.feed_mm_min
         yield from moves.go(way, feed)
         yield Ask(
-            f"Set a dial gauge against {axis.name.upper()}, and its scale to zero. Then it moves"
-            f" {axis.with_unit(abs(axis.to_mm(way)))} on and the same way back."
+            phrase(
+                "Set a dial gauge against {name}, and its scale to zero. Then it moves"
+                " {with_unit} on and the same way back.",
+                name=axis.name.upper(),
+                with_unit=axis.with_unit(abs(axis.to_mm(way))),
+            )
         )
         yield from moves.go(way, feed)
         yield from moves.go(-way, feed)
@@ -161,8 +190,12 @@ class BacklashTest:
         require_finite(axis, gauge_mm)
         if abs(gauge_mm) > _MOST_MM:
             raise LimitError(
-                f"{axis.with_unit(abs(gauge_mm))} is more than backlash can be,"
-                f" {axis.with_unit(_MOST_MM)}: look at the gauge and at the coupling."
+                phrase(
+                    "{with_unit} is more than backlash can be, {with_unit_2}: look at the"
+                    " gauge and at the coupling.",
+                    with_unit=axis.with_unit(abs(gauge_mm)),
+                    with_unit_2=axis.with_unit(_MOST_MM),
+                )
             )
         self._by = "gauge"
         self._found_mm = (*self._found_mm, abs(gauge_mm))
@@ -176,10 +209,15 @@ class BacklashTest:
         key = f"axes.{found.axis}.backlash_{config.key_unit}"
         mean = Decimal(str(found.figures.mean)).quantize(_THOUSANDTH).normalize()
         times = len(found.figures.readings)
-        why = (
-            f"{found.axis.upper()}: {axis.with_unit(f'{found.figures.mean:.4f}')} by {found.by},"
-            f" {times} {'time' if times == 1 else 'times'}, spread"
-            f" {axis.with_unit(f'{found.figures.spread:.4f}')}; configured are"
-            f" {axis.with_unit(found.configured_mm)}."
+        why = phrase(
+            "{axis}: {with_unit} by {by}, {times} {word}, spread {with_unit_2};"
+            " configured are {with_unit_3}.",
+            axis=found.axis.upper(),
+            with_unit=axis.with_unit(f"{found.figures.mean:.4f}"),
+            by=found.by,
+            times=times,
+            word=phrase("time") if times == 1 else phrase("times"),
+            with_unit_2=axis.with_unit(f"{found.figures.spread:.4f}"),
+            with_unit_3=axis.with_unit(found.configured_mm),
         )
         return proposal(why, Change(key, config.backlash, mean))

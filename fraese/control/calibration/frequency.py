@@ -36,6 +36,7 @@ from fraese.control.homing import Homing
 from fraese.control.jobs import STANDSTILL, Doing, Job
 from fraese.control.softlimits import require_reachable
 from fraese.errors import LimitError
+from fraese.phrases import phrase
 
 #: How often the switch is met before anything is tried, to see how well it repeats.
 _FIRST_LOOKS: Final = 4
@@ -213,7 +214,9 @@ class FrequencyTest:
         if not self.by_switch:
             self._require_room(first)
         name = moves.axis.name.upper()
-        self._controller.start(f"frequency test of {name}", self._job(stages, wish))
+        self._controller.start(
+            phrase("frequency test of {name}", name=name), self._job(stages, wish)
+        )
 
     def _usual(self, stage: Stage, wish: Wish) -> Sweep:
         # What was found before in this stage is tried anew.
@@ -238,7 +241,11 @@ class FrequencyTest:
         except LimitError as error:
             way = axis.with_unit(f"{axis.to_mm(longest):.1f}")
             raise LimitError(
-                f"{error} The longest stroke is {way}: begin elsewhere, or try lower rates."
+                phrase(
+                    "{error} The longest stroke is {way}: begin elsewhere, or try lower rates.",
+                    error=error,
+                    way=way,
+                )
             ) from error
 
     @property
@@ -275,7 +282,14 @@ class FrequencyTest:
     def _try_all(self, run: _Run) -> Job:
         for value in run.sweep.values:
             run.value = value
-            yield Doing(f"{run.sweep.stage.value}: {value:g} {run.sweep.stage.unit}")
+            yield Doing(
+                phrase(
+                    "{stage}: {value:g} {unit}",
+                    stage=run.sweep.stage.value,
+                    value=value,
+                    unit=run.sweep.stage.unit,
+                )
+            )
             late_before = self._controller.state().late_ticks
             rates = run.sweep.at(value)
             way = rates.way_steps(self._room_steps())

@@ -19,6 +19,7 @@ from fraese.control.jobs import STANDSTILL, Demand, Doing
 from fraese.errors import HomingError, LimitError
 from fraese.machine import Axis, Machine
 from fraese.motor.seams import Ended, Report
+from fraese.phrases import phrase
 from fraese.planner.lines import plan_line
 
 Moves = Generator[Demand, Report, Report]
@@ -115,7 +116,7 @@ class AxisMoves:
         """
         homing = self._controller.config.homing
         search_mm = self.axis.travel_mm * homing.search_factor
-        yield Doing(f"to the switch {self.end_name(sign)}")
+        yield Doing(phrase("to the switch {end_name}", end_name=self.end_name(sign)))
         yield from self.to_contact(sign, search_mm, homing.approach_mm_min)
         yield from self.off_contact(sign)
         return (yield from self.to_contact(sign, 2 * homing.back_off_max_mm, homing.slow_mm_min))
@@ -174,8 +175,12 @@ class AxisMoves:
         if not self.axis.has_switches:
             name = self.axis.name
             raise LimitError(
-                f"{name.upper()} has no end switches (axes.{name}.end_switches), and this is found"
-                " by one."
+                phrase(
+                    "{name} has no end switches (axes.{name_2}.end_switches), and this is"
+                    " found by one.",
+                    name=name.upper(),
+                    name_2=name,
+                )
             )
         self._controller.check_moves([])
 
@@ -189,16 +194,26 @@ class AxisMoves:
     def _not_found(self, sign: int, longest_mm: float) -> HomingError:
         end = self.end_name(sign)
         return HomingError(
-            f"End switch {end} was not found within {self.axis.with_unit(longest_mm)}: look at the"
-            f" switch; the machine stands at {self._controller.position.in_words()}.",
+            phrase(
+                "End switch {end} was not found within {with_unit}: look at the switch; the"
+                " machine stands at {in_words}.",
+                end=end,
+                with_unit=self.axis.with_unit(longest_mm),
+                in_words=self._controller.position.in_words(),
+            ),
             end=end,
         )
 
     def _does_not_open(self, sign: int, longest_mm: float) -> HomingError:
         end = self.end_name(sign)
         return HomingError(
-            f"End switch {end} does not open again within {self.axis.with_unit(longest_mm)}: look"
-            f" for a stuck switch, and at the wire to DB25 pin {self._controller.switches.pin}.",
+            phrase(
+                "End switch {end} does not open again within {with_unit}: look for a stuck"
+                " switch, and at the wire to DB25 pin {pin}.",
+                end=end,
+                with_unit=self.axis.with_unit(longest_mm),
+                pin=self._controller.switches.pin,
+            ),
             alarms.END_STUCK,
             end=end,
         )

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
+from fraese.phrases import joined, phrase
+
 Value = bool | int | float | Decimal | str | tuple[Any, ...]
 
 
@@ -24,7 +26,9 @@ class Change:
 
     def words(self) -> str:
         """The key with both, for people."""
-        return f"{self.key}: {shown(self.old)} becomes {shown(self.new)}"
+        return phrase(
+            "{key}: {old} becomes {new}", key=self.key, old=shown(self.old), new=shown(self.new)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +49,9 @@ class Proposal:
 
     def words(self) -> str:
         """All of it, for people."""
-        return "; ".join(change.words() for change in self.changes) or "nothing is to be changed"
+        return joined("; ", (change.words() for change in self.changes)) or phrase(
+            "nothing is to be changed"
+        )
 
 
 def proposal(why: str, *changes: Change) -> Proposal:

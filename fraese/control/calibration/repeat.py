@@ -19,6 +19,7 @@ from fraese.control.calibration.moves import AxisMoves
 from fraese.control.controller import Controller
 from fraese.control.jobs import Doing, Job
 from fraese.errors import LimitError
+from fraese.phrases import phrase
 
 #: How many approaches one can wait for.
 APPROACHES: Final = (2, 1000)
@@ -51,9 +52,15 @@ class Repeatability:
     def words(self) -> str:
         """The figures, a sentence."""
         found, unit = self.figures, self.unit
-        return (
-            f"{self.end} closed {self.made} times within {found.spread:.4f} {unit}, standard"
-            f" deviation {found.deviation:.4f} {unit}; one step is {self.step_mm:.4f} {unit}."
+        return phrase(
+            "{end} closed {made} times within {spread:.4f} {unit}, standard deviation"
+            " {deviation:.4f} {unit}; one step is {step_mm:.4f} {unit}.",
+            end=self.end,
+            made=self.made,
+            spread=found.spread,
+            unit=unit,
+            deviation=found.deviation,
+            step_mm=self.step_mm,
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -82,7 +89,14 @@ class RepeatTest:
         self._sign = self._moves.axis.home_sign if sign is None else sign
         low, high = APPROACHES
         if not low <= approaches <= high:
-            raise LimitError(f"A switch is approached {low} to {high} times, not {approaches}.")
+            raise LimitError(
+                phrase(
+                    "A switch is approached {low} to {high} times, not {approaches}.",
+                    low=low,
+                    high=high,
+                    approaches=approaches,
+                )
+            )
         self._approaches = approaches
         self._readings_mm: tuple[float, ...] = ()
 
@@ -108,7 +122,7 @@ class RepeatTest:
         self._moves.require_switches()
         self._readings_mm = ()
         name = self._moves.end_name(self._sign)
-        self._controller.start(f"repeatability of {name}", self._job())
+        self._controller.start(phrase("repeatability of {name}", name=name), self._job())
 
     def _job(self) -> Job:
         moves, sign, homing = self._moves, self._sign, self._controller.config.homing
@@ -116,7 +130,11 @@ class RepeatTest:
         clear_mm = _CLEAR_MM + axis.to_mm(axis.backlash_steps)
         first = yield from moves.find(sign)
         for number in range(1, self._approaches + 1):
-            yield Doing(f"approach {number} of {self._approaches}")
+            yield Doing(
+                phrase(
+                    "approach {number} of {approaches}", number=number, approaches=self._approaches
+                )
+            )
             yield from moves.off_contact(sign)
             yield from moves.go(-sign * axis.to_steps(clear_mm), homing.approach_mm_min)
             longest_mm = clear_mm + 2 * homing.back_off_max_mm

@@ -23,6 +23,7 @@ from fraese.control.jobs import Ask, Job
 from fraese.control.softlimits import require_finite
 from fraese.errors import LimitError
 from fraese.machine import Axis
+from fraese.phrases import phrase
 
 #: What is sold: threads of spindles, belts times teeth, in mm a turn.
 MADE_PITCHES: Final = (
@@ -109,19 +110,30 @@ class StepSizeTest:
         run_in = axis.to_steps(_run_in_mm(axis, way_mm))
         way = axis.to_steps(abs(way_mm)) * (1 if way_mm > 0 else -1)
         if not way:
-            raise LimitError(f"A way must be at least one step of {axis.with_unit(axis.step_mm)}.")
+            raise LimitError(
+                phrase(
+                    "A way must be at least one step of {with_unit}.",
+                    with_unit=axis.with_unit(axis.step_mm),
+                )
+            )
         target = list(where.position_steps)
         target[motor] += run_in + way
         self._controller.check_moves([tuple(target)])
-        self._controller.start(f"a way of {axis.name.upper()}", self._job(run_in, way, ask))
+        self._controller.start(
+            phrase("a way of {name}", name=axis.name.upper()), self._job(run_in, way, ask)
+        )
 
     def _job(self, run_in: int, way: int, ask: bool) -> Job:
         axis, feed = self._moves.axis, self._controller.config.jog.feed_mm_min
         yield from self._moves.go(run_in, feed)
         if ask:
             yield Ask(
-                f"Mark where {axis.name.upper()} stands, or set the gauge to zero. Then it moves"
-                f" {axis.with_unit(axis.to_mm(way))}."
+                phrase(
+                    "Mark where {name} stands, or set the gauge to zero. Then it moves"
+                    " {with_unit}.",
+                    name=axis.name.upper(),
+                    with_unit=axis.with_unit(axis.to_mm(way)),
+                )
             )
         yield from self._moves.go(way, feed)
         self.commanded_mm = axis.to_mm(way)
@@ -141,7 +153,10 @@ class StepSizeTest:
             require_finite(axis, value)
         if not commanded_mm or not measured_mm:
             raise LimitError(
-                "A way of nothing says nothing: give how far it went, or look why it does not move."
+                phrase(
+                    "A way of nothing says nothing: give how far it went, or look why it"
+                    " does not move."
+                )
             )
         self.result = StepSize(axis.name, commanded_mm, measured_mm, float(axis.steps_per_mm))
         return self.result
@@ -163,8 +178,13 @@ class StepSizeTest:
         turned = Change(f"axes.{found.axis}.inverted", config.inverted, not config.inverted)
         return tuple(
             proposal(
-                f"{found.axis.upper()} moved {axis.with_unit(abs(found.measured_mm))} for"
-                f" {axis.with_unit(abs(found.commanded_mm))}: {said}.",
+                phrase(
+                    "{axis} moved {with_unit} for {with_unit_2}: {said}.",
+                    axis=found.axis.upper(),
+                    with_unit=axis.with_unit(abs(found.measured_mm)),
+                    with_unit_2=axis.with_unit(abs(found.commanded_mm)),
+                    said=said,
+                ),
                 Change(key, config.pitch, pitch),
                 *([turned] if found.is_inverted else []),
             )
@@ -185,10 +205,10 @@ def _pitches(
     old: Decimal, exact: Decimal, off: float, *, is_linear: bool
 ) -> Iterator[tuple[Decimal, str]]:
     """Pitches that explain it, the likeliest first, each once."""
-    known = [(old, "the pitch in force is right, as far as that can be read")]
+    known = [(old, phrase("the pitch in force is right, as far as that can be read"))]
     if is_linear:
         known += [
-            (Decimal(str(pitch)), "a pitch that is made")
+            (Decimal(str(pitch)), phrase("a pitch that is made"))
             for pitch in (*MADE_PITCHES, *INCH_PITCHES)
         ]
     given = set()
@@ -197,4 +217,4 @@ def _pitches(
             given.add(pitch)
             yield pitch, said
     if exact not in given:
-        yield exact, "as it was read"
+        yield exact, phrase("as it was read")

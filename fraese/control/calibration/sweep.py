@@ -24,6 +24,7 @@ from typing import Any, Final
 from fraese.control.calibration.proposal import Change, Proposal, proposal
 from fraese.errors import LimitError
 from fraese.machine import Axis
+from fraese.phrases import joined, phrase
 
 Band = tuple[float, float]
 
@@ -39,14 +40,14 @@ _MOST_BANDS: Final = 8
 class Stage(Enum):
     """What is tried out, one after the other."""
 
-    START = "start/stop rate"
-    CRUISE = "highest rate"
-    ACCELERATION = "acceleration"
+    START = phrase("start/stop rate")
+    CRUISE = phrase("highest rate")
+    ACCELERATION = phrase("acceleration")
 
     @property
     def unit(self) -> str:
         """Of the values."""
-        return "steps/s²" if self is Stage.ACCELERATION else "steps/s"
+        return phrase("steps/s²") if self is Stage.ACCELERATION else phrase("steps/s")
 
 
 #: Share of what a motor followed that is proposed.
@@ -90,9 +91,15 @@ class Rates:
         longest, shortest = (math.ceil(ramps + keep_s * rate_hz) for keep_s in _KEEP_S)
         if shortest > room_steps:
             raise LimitError(
-                f"{rate_hz:g} steps/s with {self.acceleration_hz_s:g} steps/s² take a stroke of"
-                f" {shortest} steps, and there is room for {room_steps}: try a lower rate or a"
-                " higher acceleration."
+                phrase(
+                    "{rate_hz:g} steps/s with {acceleration_hz_s:g} steps/s² take a stroke"
+                    " of {shortest} steps, and there is room for {room_steps}: try a lower"
+                    " rate or a higher acceleration.",
+                    rate_hz=rate_hz,
+                    acceleration_hz_s=self.acceleration_hz_s,
+                    shortest=shortest,
+                    room_steps=room_steps,
+                )
             )
         return min(room_steps, max(_LEAST_STEPS, longest))
 
@@ -235,13 +242,24 @@ class Outcome:
         """What was found, a sentence."""
         stage, best, stall = self.sweep.stage, self.best, self.stall
         if not self.tried:
-            return f"{stage.value}: nothing was tried."
+            return phrase("{stage}: nothing was tried.", stage=stage.value)
         if best is None:
-            return f"{stage.value}: bad at the lowest value already, {self.tried[0].value:g}."
-        until = f", not at {stall:g}" if stall is not None else ", and no more was tried"
-        bands = ", ".join(f"{low:g} to {high:g}" for low, high in self.bands)
-        resonance = f"; resonance at {bands}" if bands else ""
-        return f"{stage.value}: good up to {best:g} {stage.unit}{until}{resonance}."
+            low = self.tried[0].value
+            return phrase(
+                "{stage}: bad at the lowest value already, {low:g}.", stage=stage.value, low=low
+            )
+        more = phrase(", and no more was tried")
+        until = more if stall is None else phrase(", not at {stall:g}", stall=stall)
+        ranges = [phrase("{low:g} to {high:g}", low=low, high=high) for low, high in self.bands]
+        resonance = phrase("; resonance at {bands}", bands=joined(", ", ranges)) if ranges else ""
+        return phrase(
+            "{stage}: good up to {best:g} {unit}{until}{resonance}.",
+            stage=stage.value,
+            best=best,
+            unit=stage.unit,
+            until=until,
+            resonance=resonance,
+        )
 
 
 def usual_sweep(
@@ -268,17 +286,30 @@ def usual_sweep(
     high = wish.high if wish.high is not None else high_share * configured
     if not 0 < low <= high < math.inf:
         raise LimitError(
-            f"A sweep goes from a value above 0 to one that is not below it, not from {low:g} to"
-            f" {high:g}."
+            phrase(
+                "A sweep goes from a value above 0 to one that is not below it, not from"
+                " {low:g} to {high:g}.",
+                low=low,
+                high=high,
+            )
         )
     step = wish.step if wish.step is not None else _down((high - low) / _VALUES) or 1.0
     if not step > 0:
-        raise LimitError(f"From one value to the next it goes up, not by {step:g}.")
+        raise LimitError(
+            phrase("From one value to the next it goes up, not by {step:g}.", step=step)
+        )
     count = math.floor((high - low) / step + 1e-9) + 1
     if count > _MOST_VALUES:
         raise LimitError(
-            f"From {low:g} to {high:g} by {step:g} there are {count} values; at most"
-            f" {_MOST_VALUES} are tried."
+            phrase(
+                "From {low:g} to {high:g} by {step:g} there are {count} values; at most"
+                " {most_values} are tried.",
+                low=low,
+                high=high,
+                step=step,
+                count=count,
+                most_values=_MOST_VALUES,
+            )
         )
     sweep = Sweep(stage, tuple(round(low + n * step, 6) for n in range(count)), rates)
     if wish.high is None:
@@ -307,7 +338,7 @@ def proposed(
     bands = tuple(band for band in bands if band[0] < values[Stage.CRUISE])
     changes = [Change(f"axes.{name}.{_KEYS[stage]}", keys[stage], values[stage]) for stage in Stage]
     changes.append(Change(f"axes.{name}.avoid_hz", axis.avoid_hz, bands))
-    return proposal(" ".join(outcome.words() for outcome in outcomes.values()), *changes)
+    return proposal(joined(" ", (outcome.words() for outcome in outcomes.values())), *changes)
 
 
 def _configured(stage: Stage, axis: Axis) -> float:

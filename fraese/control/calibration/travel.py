@@ -9,6 +9,7 @@ from fraese.control.calibration.proposal import Change, Proposal, proposal
 from fraese.control.controller import Controller
 from fraese.control.homing import Homing
 from fraese.control.jobs import Job
+from fraese.phrases import phrase
 
 #: How far the other end may be, in configured travels: the travel is what is not known.
 _SEARCH_FACTOR: Final = 2.0
@@ -59,7 +60,7 @@ class TravelTest:
         """
         self._moves.require_switches()
         name = self._moves.axis.name.upper()
-        self._controller.start(f"measure the travel of {name}", self._job())
+        self._controller.start(phrase("measure the travel of {name}", name=name), self._job())
 
     def _job(self) -> Job:
         controller, axis = self._controller, self._moves.axis
@@ -80,8 +81,10 @@ class TravelTest:
         travel = Decimal(str(found.measured_mm)).quantize(_HUNDREDTH, ROUND_FLOOR).normalize()
         old = self._controller.config.axes.table[found.axis].travel
         key = f"axes.{found.axis}.{axis.travel_key}"
-        why = (
-            f"{found.axis.upper()}: from end to end {axis.with_unit(f'{found.measured_mm:.3f}')};"
-            f" configured are {axis.with_unit(found.configured_mm)}."
+        why = phrase(
+            "{axis}: from end to end {with_unit}; configured are {with_unit_2}.",
+            axis=found.axis.upper(),
+            with_unit=axis.with_unit(f"{found.measured_mm:.3f}"),
+            with_unit_2=axis.with_unit(found.configured_mm),
         )
         return proposal(why, Change(key, old or Decimal(0), travel))

@@ -20,6 +20,7 @@ from fraese.motor.bridge.line import OpenLine
 from fraese.motor.bridge.session import Session, greeting
 from fraese.motor.bridge.stepwise import Steps
 from fraese.motor.seams import Clock, SwitchMode
+from fraese.phrases import phrase
 
 MODES: Final[Mapping[SwitchMode, bytes]] = {SwitchMode.STOP: b"\x00", SwitchMode.IGNORE: b"\x01"}
 
@@ -101,9 +102,17 @@ class Connection:
             self._require_sockets(hello)
             return
         raise PortError(
-            f"The bridge on {self.name} ({hello.board}, firmware {hello.firmware[0]}."
-            f"{hello.firmware[1]}) cannot play this card: it drives {hello.motors} motors with"
-            f" tables of {hello.table_max} entries.",
+            phrase(
+                "The bridge on {name} ({board}, firmware {firmware}.{firmware_2}) cannot"
+                " play this card: it drives {motors} motors with tables of {table_max}"
+                " entries.",
+                name=self.name,
+                board=hello.board,
+                firmware=hello.firmware[0],
+                firmware_2=hello.firmware[1],
+                motors=hello.motors,
+                table_max=hello.table_max,
+            ),
             alarms.BRIDGE_UNFIT,
         )
 
@@ -113,8 +122,13 @@ class Connection:
         in_order = facts.motor_bits == CLOCK_LINES[: len(facts.motor_bits)]
         if facts.kind == c.CARD_CLOCKS and hello.firmware < (1, 1) and not in_order:
             raise PortError(
-                f"The bridge on {self.name} has firmware {hello.firmware[0]}.{hello.firmware[1]},"
-                " which cannot swap motors: give every axis the motor of its place in axes.names,"
-                " or flash firmware 1.1.",
+                phrase(
+                    "The bridge on {name} has firmware {firmware}.{firmware_2}, which cannot"
+                    " swap motors: give every axis the motor of its place in axes.names, or"
+                    " flash firmware 1.1.",
+                    name=self.name,
+                    firmware=hello.firmware[0],
+                    firmware_2=hello.firmware[1],
+                ),
                 alarms.BRIDGE_UNFIT,
             )

@@ -8,6 +8,7 @@ from typing import Final
 
 from fraese.blocks import WatchAction
 from fraese.motor.seams import Ended
+from fraese.phrases import phrase
 
 PROTOCOL_VERSION: Final = 3
 DEFAULT_BAUD: Final = 250_000
@@ -59,13 +60,13 @@ REFUSED_EPOCH: Final = 7
 
 #: What to say to a user about each of them.
 REFUSALS: Final = {
-    REFUSED_NO_HELLO: "nobody has said hello",
-    REFUSED_NO_CARD: "no card was uploaded",
-    REFUSED_PAYLOAD: "a length or value is out of range",
-    REFUSED_MOVING: "only at standstill",
-    REFUSED_KIND: "unknown command",
-    REFUSED_BLOCK: "a block cannot be played as it says",
-    REFUSED_EPOCH: "sent before the queue was known to be dropped",
+    REFUSED_NO_HELLO: phrase("nobody has said hello"),
+    REFUSED_NO_CARD: phrase("no card was uploaded"),
+    REFUSED_PAYLOAD: phrase("a length or value is out of range"),
+    REFUSED_MOVING: phrase("only at standstill"),
+    REFUSED_KIND: phrase("unknown command"),
+    REFUSED_BLOCK: phrase("a block cannot be played as it says"),
+    REFUSED_EPOCH: phrase("sent before the queue was known to be dropped"),
 }
 
 ACK_GAP: Final = 0x01

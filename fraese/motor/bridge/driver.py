@@ -22,7 +22,7 @@ from typing import Final
 from fraese import alarms
 from fraese.anythread import any_thread
 from fraese.blocks import CYCLES_PER_S, Q8, Block
-from fraese.errors import PortError, StateError
+from fraese.errors import PortError
 from fraese.motor.blockqueue import require_sound
 from fraese.motor.bridge import constants as c
 from fraese.motor.bridge.codec import Status
@@ -36,8 +36,9 @@ from fraese.motor.bridge.picture import Picture
 from fraese.motor.bridge.search import Search
 from fraese.motor.bridge.session import Session
 from fraese.motor.bridge.stepwise import Steps, finish
-from fraese.motor.seams import Card, Clock, Ended, IdleLevel, Report, SwitchMode
+from fraese.motor.seams import Card, Clock, Ended, IdleLevel, Report, SwitchMode, only_at_standstill
 from fraese.motor.switches import SwitchInput
+from fraese.phrases import joined, phrase
 
 #: A poll asks for its last report so long before its time is up: an answer takes 4 ms.
 _ANSWER_S: Final = 0.004
@@ -180,7 +181,7 @@ class BridgeDriver:
             PortError: if the device is lost.
         """
         with self._guarded() as session:
-            self._require_standstill(session, "the queue can only be dropped")
+            self._require_standstill(session, phrase("the queue can only be dropped"))
             self._drop(session, Ended.FLUSH)
 
     def idle(self, level: IdleLevel) -> None:
@@ -191,7 +192,7 @@ class BridgeDriver:
             PortError: if the device is lost.
         """
         with self._guarded() as session:
-            self._require_standstill(session, "the motors can only be switched off")
+            self._require_standstill(session, phrase("the motors can only be switched off"))
             session.command(c.KIND_IDLE, _LEVELS[level])
 
     def set_outputs(self, mask: int, value: int) -> None:
@@ -229,12 +230,13 @@ class BridgeDriver:
         """
         self._require_open()
         if self._session is None:
-            raise PortError(f"The bridge on {self._name} is lost.", alarms.BRIDGE_LOST)
+            lost = phrase("The bridge on {name} is lost.", name=self._name)
+            raise PortError(lost, alarms.BRIDGE_LOST)
         return self._session
 
     def _require_open(self) -> None:
         if self._closed:
-            raise PortError("The port is closed.")
+            raise PortError(phrase("The port is closed."))
 
     @property
     def status(self) -> Status:
@@ -315,7 +317,7 @@ class BridgeDriver:
     def _require_standstill(self, session: Session, what: str) -> None:
         self._look(session)
         if not self._picture.stands:
-            raise StateError(f"The motors run: {what} at standstill; brake or stop first.")
+            raise only_at_standstill(what)
 
     def _shout(self, byte: int) -> None:
         session = self._session
@@ -331,9 +333,10 @@ class BridgeDriver:
             PortError: if it says what cannot be: whoever does so is not believed the rest either.
         """
         if what := self._picture.account.contradiction(status):
-            raise PortError(
-                f"The bridge on {self._name} says what cannot be ({what})", alarms.BRIDGE_STUCK
+            said = phrase(
+                "The bridge on {name} says what cannot be ({what})", name=self._name, what=what
             )
+            raise PortError(said, alarms.BRIDGE_STUCK)
         dropped = status.ack.epoch != session.link.epoch
         if dropped:
             session.link.epoch = status.ack.epoch
@@ -358,7 +361,10 @@ class BridgeDriver:
             low_steps, high_steps = zip(*self._picture.account.bounds(), strict=True)
             bounds = {"low_steps": low_steps, "high_steps": high_steps}
             raise PortError(
-                f"{str(error).rstrip('.')}; {where}.", error.kind, **error.facts, **bounds
+                joined("", (str(error).rstrip("."), "; ", where, ".")),
+                error.kind,
+                **error.facts,
+                **bounds,
             ) from error
 
     def _connecting_again(self) -> Steps[None]:

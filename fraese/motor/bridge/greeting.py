@@ -24,6 +24,7 @@ from fraese.motor.bridge.constants import (
 from fraese.motor.bridge.line import Line
 from fraese.motor.bridge.stepwise import Steps
 from fraese.motor.seams import Clock
+from fraese.phrases import phrase
 
 #: The boot loader of an Uno listens for 1 s, that of old ones for 2 s.
 PATIENCE_S: Final = 3.5
@@ -78,8 +79,14 @@ class Greeting:
             raise PortError(self._unanswered(other), alarms.BRIDGE_MISSING)
         if reply.version != PROTOCOL_VERSION:
             raise PortError(
-                f"The bridge on {self._name} speaks version {reply.version} of the protocol, this"
-                f" program version {PROTOCOL_VERSION}: flash the firmware that belongs to it.",
+                phrase(
+                    "The bridge on {name} speaks version {version} of the protocol, this"
+                    " program version {protocol_version}: flash the firmware that belongs to"
+                    " it.",
+                    name=self._name,
+                    version=reply.version,
+                    protocol_version=PROTOCOL_VERSION,
+                ),
                 alarms.BRIDGE_UNFIT,
             )
         if reply.moving:
@@ -115,7 +122,9 @@ class Greeting:
             if reply and not reply.moving:
                 return reply
         raise PortError(
-            f"The motors behind {self._name} move and do not brake: switch them off.",
+            phrase(
+                "The motors behind {name} move and do not brake: switch them off.", name=self._name
+            ),
             alarms.BRIDGE_STUCK,
         )
 
@@ -131,18 +140,25 @@ class Greeting:
 
     def _unanswered(self, other: int | None) -> str:
         if other:
-            return (
-                f"The bridge on {self._name} speaks {other} baud, not {self._baud}: write"
-                f" baud = {other} under [port]."
+            return phrase(
+                "The bridge on {name} speaks {other} baud, not {baud}: write baud ="
+                " {other} under [port].",
+                name=self._name,
+                other=other,
+                baud=self._baud,
             )
         if self._heard:
-            return (
-                f"What comes from {self._name} makes no sense at {self._baud} baud: either"
-                " port.baud is not the firmware's rate, or this is no fraese bridge."
+            return phrase(
+                "What comes from {name} makes no sense at {baud} baud: either port.baud"
+                " is not the firmware's rate, or this is no fraese bridge.",
+                name=self._name,
+                baud=self._baud,
             )
-        return (
-            f"Nobody answers on {self._name} at {self._baud} baud: is this the board with the"
-            " fraese firmware (see fraese ports), and port.baud the rate that it was built for?"
+        return phrase(
+            "Nobody answers on {name} at {baud} baud: is this the board with the fraese"
+            " firmware (see fraese ports), and port.baud the rate that it was built for?",
+            name=self._name,
+            baud=self._baud,
         )
 
 

@@ -23,6 +23,7 @@ from serial.tools import list_ports
 
 from fraese import alarms
 from fraese.errors import PortError
+from fraese.phrases import phrase
 
 #: Longest wait within pyserial; what is waited for longer is waited for in such slices.
 _SLICE_S: Final = 0.005
@@ -139,11 +140,16 @@ class SerialLine:
 
     def _gone(self, error: Exception) -> PortError:
         if not self._port.is_open:
-            return PortError(f"{self._device} is used after it was given back.")
+            return PortError(
+                phrase("{device} is used after it was given back.", device=self._device)
+            )
         number = getattr(error, "errno", None)
         # Without a number it is pyserial's guess, in words that help nobody.
         why = f" ({os.strerror(number)})" if number else ""
-        return PortError(f"{self._device} is gone{why}: is the plug still in?", alarms.BRIDGE_LOST)
+        return PortError(
+            phrase("{device} is gone{why}: is the plug still in?", device=self._device, why=why),
+            alarms.BRIDGE_LOST,
+        )
 
 
 def _keep_others_out(port: serial.Serial, wanted: bool) -> None:
@@ -218,13 +224,17 @@ def only_candidate(ports: list[SerialPort]) -> str:
         return likely[0]
     if not likely:
         raise PortError(
-            "No board is plugged in that looks like an Arduino: plug it in, or name its port in"
-            " port.device (see fraese ports).",
+            phrase(
+                "No board is plugged in that looks like an Arduino: plug it in, or name its"
+                " port in port.device (see fraese ports)."
+            ),
             alarms.BRIDGE_MISSING,
         )
     raise PortError(
-        f"Several boards are plugged in ({', '.join(likely)}): name the one that is meant in"
-        " port.device.",
+        phrase(
+            "Several boards are plugged in ({likely}): name the one that is meant in port.device.",
+            likely=", ".join(likely),
+        ),
         alarms.BRIDGE_MISSING,
     )
 
@@ -232,20 +242,27 @@ def only_candidate(ports: list[SerialPort]) -> str:
 def _refusal(device: str, baud: int, error: Exception) -> str:
     number = getattr(error, "errno", None)
     if number in (errno.ENOENT, errno.ENXIO, errno.ENODEV):
-        return f"{device} does not exist: plug the board in, or correct port.device."
+        return phrase(
+            "{device} does not exist: plug the board in, or correct port.device.", device=device
+        )
     if number in (errno.EACCES, errno.EPERM):
-        return (
-            f"{device} may not be used by this user: join its group with"
-            " sudo usermod -aG dialout $USER and log in again."
+        return phrase(
+            "{device} may not be used by this user: join its group with sudo usermod -aG"
+            " dialout $USER and log in again.",
+            device=device,
         )
     if number in (errno.EBUSY, errno.EAGAIN):
-        return f"{device} is in use by another program: close that one first."
+        return phrase("{device} is in use by another program: close that one first.", device=device)
     if isinstance(error, ValueError):
-        return f"{device} cannot be opened at {baud} baud: correct port.baud."
+        return phrase(
+            "{device} cannot be opened at {baud} baud: correct port.baud.", device=device, baud=baud
+        )
     # pyserial gives no number when the file has no line to be set up.
     if number is None and "configure" in str(error):
-        return f"{device} is no serial port: correct port.device (see fraese ports)."
-    return f"{device} cannot be opened: {_reason(error)}."
+        return phrase(
+            "{device} is no serial port: correct port.device (see fraese ports).", device=device
+        )
+    return phrase("{device} cannot be opened: {reason}.", device=device, reason=_reason(error))
 
 
 def _reason(error: Exception) -> str:

@@ -16,6 +16,7 @@ from fraese.motor.bridge.constants import State, ended_of
 from fraese.motor.bridge.ledger import Ledger
 from fraese.motor.bridge.link import Link
 from fraese.motor.seams import Card, Ended, Report
+from fraese.phrases import joined, phrase
 
 _NS_PER_S: Final = 1_000_000_000
 
@@ -154,9 +155,16 @@ class Picture:
         """Where the motors must be, now that nobody tells any more; a part of a sentence."""
         bounds = self.account.bounds()
         if not self.runs or all(low == high for low, high in bounds):
-            return "the motors stood, but may lose their position without current"
-        ranges = ", ".join(
-            f"motor {motor + 1} {low} to {high}" if low != high else f"motor {motor + 1} {low}"
-            for motor, (low, high) in enumerate(bounds)
+            return phrase("the motors stood, but may lose their position without current")
+        ranges = joined(
+            ", ",
+            (
+                phrase("motor {motor} {low} to {high}", motor=motor, low=low, high=high)
+                if low != high
+                else phrase("motor {motor} {low}", motor=motor, low=low)
+                for motor, (low, high) in enumerate(bounds, start=1)
+            ),
         )
-        return f"the bridge brakes and switches off by itself, at steps {ranges}"
+        return phrase(
+            "the bridge brakes and switches off by itself, at steps {ranges}", ranges=ranges
+        )

@@ -13,6 +13,7 @@ from fraese import alarms
 from fraese.errors import PortError
 from fraese.motor.bridge.stepwise import Steps, advance
 from fraese.motor.seams import Clock
+from fraese.phrases import phrase
 
 _PAUSE_NS: Final = 1_000_000_000
 _LOOK_NS: Final = 20_000_000
@@ -52,7 +53,11 @@ class Search:
         except PortError as error:
             self._end(f" {error}")
         raise PortError(
-            f"The bridge on {self._name} is lost; it is looked for.{self._reason}",
+            phrase(
+                "The bridge on {name} is lost; it is looked for.{reason}",
+                name=self._name,
+                reason=self._reason,
+            ),
             alarms.BRIDGE_LOST,
         )
 

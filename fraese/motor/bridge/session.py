@@ -29,6 +29,7 @@ from fraese.motor.bridge.line import Line
 from fraese.motor.bridge.link import Link
 from fraese.motor.bridge.stepwise import Steps, finish
 from fraese.motor.seams import Clock
+from fraese.phrases import phrase
 
 #: Who does not answer for so long is gone; the device's own watchdog needs 250 ms.
 DEAF_S: Final = 0.6
@@ -127,11 +128,15 @@ class Session:
             if self.listener is not None:
                 self.listener(status)
         if self.link.stranger is not None:
-            raise PortError(f"The bridge on {self._name} was reset meanwhile", alarms.BRIDGE_LOST)
+            raise PortError(
+                phrase("The bridge on {name} was reset meanwhile", name=self._name),
+                alarms.BRIDGE_LOST,
+            )
         self._silent_s = self._silent_s + wait_s if expects and not data else 0.0
         if self._silent_s > DEAF_S:
             raise PortError(
-                f"The bridge on {self._name} does not answer any more", alarms.BRIDGE_LOST
+                phrase("The bridge on {name} does not answer any more", name=self._name),
+                alarms.BRIDGE_LOST,
             )
 
     def pumping(self, done: Callable[[], bool]) -> Steps[None]:
@@ -147,7 +152,8 @@ class Session:
             waited_ns, since_ns = waited_ns + min(now_ns - since_ns, _PAUSE_NS), now_ns
             if waited_ns > STUCK_S * _NS_PER_S:
                 raise PortError(
-                    f"The bridge on {self._name} answers, but does not follow", alarms.BRIDGE_STUCK
+                    phrase("The bridge on {name} answers, but does not follow", name=self._name),
+                    alarms.BRIDGE_STUCK,
                 )
             yield
 
@@ -169,7 +175,12 @@ class Session:
         if code:
             what = REFUSALS.get(code, f"reason {code}")
             raise PortError(
-                f"The bridge on {self._name} refuses command {kind:02X}: {what}",
+                phrase(
+                    "The bridge on {name} refuses command {kind:02X}: {what}",
+                    name=self._name,
+                    kind=kind,
+                    what=what,
+                ),
                 alarms.BRIDGE_STUCK,
             )
 
@@ -246,7 +257,8 @@ class Session:
                 self.pump(_SLICE_S)
                 if self._clock.now_ns() > until_ns:
                     raise PortError(
-                        f"The bridge on {self._name} does not answer any more.", alarms.BRIDGE_LOST
+                        phrase("The bridge on {name} does not answer any more.", name=self._name),
+                        alarms.BRIDGE_LOST,
                     )
 
         try:

@@ -15,6 +15,7 @@ from typing import Final, NamedTuple
 
 from fraese.motor.cards.control import NOTHING, READING, ControlLines, OutputPin
 from fraese.motor.seams import DATA, Entries, Entry, IdleLevel
+from fraese.phrases import phrase
 
 BOOST_PIN: Final = 16
 ACTIVE_PIN: Final = 17
@@ -71,7 +72,7 @@ class StepDirCard:
 
     #: All pulses have the leader's length, so a tick is not divided.
     beat_cycles = 0
-    step_word = "pulse"
+    step_word: str = phrase("pulse")
 
     def __init__(
         self,

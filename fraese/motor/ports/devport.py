@@ -18,6 +18,7 @@ from fraese.errors import PortError
 from fraese.motor.ports import facts
 from fraese.motor.ports.held import HeldFile
 from fraese.motor.seams import CONTROL, STATUS
+from fraese.phrases import phrase, reason
 
 try:
     from fcntl import LOCK_EX, LOCK_NB, lockf
@@ -47,7 +48,7 @@ class DevPort(HeldFile):
         self._data = base
         self._status = base + STATUS
         self._control = base + CONTROL
-        super().__init__(f"The port at {base:#x}", _open(base))
+        super().__init__(phrase("The port at {base:#x}", base=base), _open(base))
         try:
             kept = _look(self._fd, base) & _KEPT_CONTROL
         except PortError:
@@ -91,38 +92,46 @@ class DevPort(HeldFile):
 
 def _open(base: int) -> int:
     if lockf is None:
-        raise PortError(f"{_DEVICE} needs Linux; use the simulation here.")
+        raise PortError(phrase("{device} needs Linux; use the simulation here.", device=_DEVICE))
     try:
         fd = os.open(_DEVICE, os.O_RDWR | os.O_CLOEXEC)
     except OSError as error:
-        raise facts.wrapped(error, _open_sentences(), f"{_DEVICE} cannot be opened") from error
+        raise facts.wrapped(
+            error, _open_sentences(), phrase("{device} cannot be opened", device=_DEVICE)
+        ) from error
     try:
         lockf(fd, LOCK_EX | LOCK_NB, _REGISTERS, base)
     except OSError as error:
         os.close(fd)
         raise PortError(
-            f"The port at {base:#x} is held by another program: close that one first."
+            phrase(
+                "The port at {base:#x} is held by another program: close that one first.", base=base
+            )
         ) from error
     return fd
 
 
 def _open_sentences() -> dict[int, str]:
     locked = facts.lockdown()
-    root_only = "is for root with the right CAP_SYS_RAWIO only; run as root"
+    root_only = phrase("is for root with the right CAP_SYS_RAWIO only; run as root")
     reasons = {
-        "": "needs the right CAP_SYS_RAWIO, and a kernel that is not locked down",
+        "": phrase("needs the right CAP_SYS_RAWIO, and a kernel that is not locked down"),
         "none": root_only,
     }
-    refused = f"is refused by the kernel's lockdown ({locked}), as with secure boot"
+    refused = phrase(
+        "is refused by the kernel's lockdown ({locked}), as with secure boot", locked=locked
+    )
     return {
-        errno.ENOENT: _better("is missing in this kernel"),
+        errno.ENOENT: _better(phrase("is missing in this kernel")),
         errno.EACCES: _better(root_only),
         errno.EPERM: _better(reasons.get(locked, refused)),
     }
 
 
 def _better(reason: str) -> str:
-    return f'{_DEVICE} {reason}: port.kind "ppdev" needs none of this.'
+    return phrase(
+        '{device} {reason}: port.kind "ppdev" needs none of this.', device=_DEVICE, reason=reason
+    )
 
 
 def _look(fd: int, base: int) -> int:
@@ -131,11 +140,16 @@ def _look(fd: int, base: int) -> int:
         found = b"".join(os.pread(fd, 1, base + register) for register in range(_REGISTERS))
     except OSError as error:
         raise PortError(
-            f"The port at {base:#x} cannot be read: {os.strerror(error.errno or 0)}."
+            phrase(
+                "The port at {base:#x} cannot be read: {reason}.", base=base, reason=reason(error)
+            )
         ) from error
     if found == _NOTHING_THERE:
         raise PortError(
-            f"There is no parallel port at {base:#x}: all three registers read 0xff; see"
-            " /proc/ioports, or the BIOS, for its address."
+            phrase(
+                "There is no parallel port at {base:#x}: all three registers read 0xff; see"
+                " /proc/ioports, or the BIOS, for its address.",
+                base=base,
+            )
         )
     return found[CONTROL]

@@ -21,14 +21,15 @@ from typing import Final
 from fraese.errors import PortError
 from fraese.motor.pins import CONTROL_PINS, DATA_PINS, STATUS_PINS, levels
 from fraese.motor.seams import Port
+from fraese.phrases import phrase
 
 _ROOT: Final = Path("/")
 
 #: Kernel modules that matter, and what for.
 MODULES: Final = {
-    "parport_pc": "drives the port",
-    "ppdev": "hands it to programs",
-    "lp": "takes it for a printer",
+    "parport_pc": phrase("drives the port"),
+    "ppdev": phrase("hands it to programs"),
+    "lp": phrase("takes it for a printer"),
 }
 
 

@@ -6,6 +6,7 @@ from typing import Final
 
 from fraese import alarms
 from fraese.errors import PortError
+from fraese.phrases import phrase, reason
 
 #: A descriptor that is none: every call with it is refused.
 _CLOSED: Final = 1 << 30
@@ -40,9 +41,13 @@ class HeldFile:
     def _gone(self, error: OSError) -> PortError:
         """Why an access failed."""
         if self._fd == _CLOSED:
-            return PortError(f"{self._name} is used after it was given back.")
+            return PortError(phrase("{name} is used after it was given back.", name=self._name))
         return PortError(
-            f"{self._name} does not answer any more: {os.strerror(error.errno or 0)};"
-            " position and motor currents are unknown, switch the motors' supply off.",
+            phrase(
+                "{name} does not answer any more: {reason}; position and motor currents are"
+                " unknown, switch the motors' supply off.",
+                name=self._name,
+                reason=reason(error),
+            ),
             alarms.PORT_LOST,
         )

@@ -19,6 +19,7 @@ from typing import Final
 from fraese.errors import PortError
 from fraese.motor.ports import facts
 from fraese.motor.ports.held import HeldFile
+from fraese.phrases import phrase
 
 try:
     from fcntl import ioctl
@@ -98,24 +99,33 @@ class PpdevPort(HeldFile):
 
 def _open(device: str) -> int:
     if ioctl is None:
-        raise PortError(f"{device} needs Linux; use the simulation here.")
+        raise PortError(phrase("{device} needs Linux; use the simulation here.", device=device))
     try:
         return os.open(device, os.O_RDWR | os.O_CLOEXEC)
     except OSError as error:
-        raise facts.wrapped(error, _open_sentences(device), f"{device} cannot be opened") from error
+        raise facts.wrapped(
+            error, _open_sentences(device), phrase("{device} cannot be opened", device=device)
+        ) from error
 
 
 def _open_sentences(device: str) -> dict[int, str]:
     found = facts.device_facts(device)
-    missing = (
-        f"{device} does not exist: is there a parallel port? Load its drivers with"
-        " sudo modprobe -a parport_pc ppdev."
+    missing = phrase(
+        "{device} does not exist: is there a parallel port? Load its drivers with sudo"
+        " modprobe -a parport_pc ppdev.",
+        device=device,
     )
-    forbidden = f"{device} may not be used by this user: " + (
-        f"join its group with sudo usermod -aG {found.group} $USER and log in again."
+    forbidden = phrase("{device} may not be used by this user: ", device=device) + (
+        phrase(
+            "join its group with sudo usermod -aG {group} $USER and log in again.",
+            group=found.group,
+        )
         if _group_helps(found)
-        else 'write SUBSYSTEM=="ppdev", GROUP="lp", MODE="0660" into'
-        " /etc/udev/rules.d/60-parport.rules, load ppdev anew, join group lp, log in again."
+        else phrase(
+            'write SUBSYSTEM=="ppdev", GROUP="lp", MODE="0660" into'
+            " /etc/udev/rules.d/60-parport.rules, load ppdev anew, join group lp, log in"
+            " again."
+        )
     )
     return {
         errno.ENOENT: missing,
@@ -123,7 +133,9 @@ def _open_sentences(device: str) -> dict[int, str]:
         errno.ENODEV: missing,
         errno.EACCES: forbidden,
         errno.EPERM: forbidden,
-        errno.EBUSY: f"{device} is in use by another program: close that one first.",
+        errno.EBUSY: phrase(
+            "{device} is in use by another program: close that one first.", device=device
+        ),
     }
 
 
@@ -142,7 +154,7 @@ def _claim(fd: int, device: str) -> None:
         ioctl(fd, _PPCLAIM)
     except OSError as error:
         raise facts.wrapped(
-            error, _claim_sentences(device), f"{device} cannot be claimed"
+            error, _claim_sentences(device), phrase("{device} cannot be claimed", device=device)
         ) from error
 
 
@@ -152,8 +164,12 @@ def _claim_sentences(device: str) -> dict[int, str]:
         errno.ENXIO: taken,
         errno.EBUSY: taken,
         errno.EAGAIN: taken,
-        errno.ENOTTY: f"{device} is not a ppdev device; the first port is /dev/parport0.",
-        errno.EINVAL: f"{device} is not a ppdev device; the first port is /dev/parport0.",
+        errno.ENOTTY: phrase(
+            "{device} is not a ppdev device; the first port is /dev/parport0.", device=device
+        ),
+        errno.EINVAL: phrase(
+            "{device} is not a ppdev device; the first port is /dev/parport0.", device=device
+        ),
     }
 
 
@@ -161,9 +177,14 @@ def _taken(device: str) -> str:
     """Who has the port, as far as can be seen."""
     known = facts.registered(device)
     if "lp" in known or (not known and "lp" in facts.loaded_modules()):
-        return f"{device} is held by the printer driver lp: unload it with sudo rmmod lp."
+        return phrase(
+            "{device} is held by the printer driver lp: unload it with sudo rmmod lp.",
+            device=device,
+        )
     others = "; ".join(facts.openers(device))
-    return (
-        f"{device} is held by another program{f' ({others})' if others else ''}: close that one"
-        " first; if it is the printer driver, unload it with sudo rmmod lp."
+    return phrase(
+        "{device} is held by another program{what}: close that one first; if it is the"
+        " printer driver, unload it with sudo rmmod lp.",
+        device=device,
+        what=f" ({others})" if others else "",
     )

@@ -29,6 +29,7 @@ from fraese.motor.realtime.player import DOZE_S, Player
 from fraese.motor.realtime.setup import Setup
 from fraese.motor.realtime.system import prepare
 from fraese.motor.seams import Ended, Port
+from fraese.phrases import phrase
 
 _SIGNALS: Final = (signal.SIGTERM, signal.SIGHUP)
 
@@ -129,7 +130,9 @@ def _play(
 
 def _fail(memory: Memory, stage: int, error: BaseException) -> int:
     known = isinstance(error, FraeseError)
-    memory.say(str(error) if known else f"The step process failed: {error!r}.")
+    memory.say(
+        str(error) if known else phrase("The step process failed: {error}.", error=repr(error))
+    )
     memory.words[STAGE] = stage
     return 1
 

@@ -47,6 +47,7 @@ from fraese.motor.realtime.records import Decoder
 from fraese.motor.realtime.report import Reporter
 from fraese.motor.realtime.ring import RingReader
 from fraese.motor.realtime.setup import RealtimeOptions
+from fraese.motor.seams import only_at_standstill
 
 #: Room for a change of outputs, ns: a phase card may have to write a table of movements for it.
 _OUTPUTS_NS: Final = 100_000
@@ -243,10 +244,7 @@ class Chores:
             if kind in mailbox.AT_STANDSTILL and self.playing:
                 if not self._run.may_play or self._requests.stop_wanted:
                     return False
-                raise StateError(
-                    f"The motors run: {mailbox.AT_STANDSTILL[kind]} at standstill;"
-                    " brake or stop first."
-                )
+                raise only_at_standstill(mailbox.AT_STANDSTILL[kind])
             self._do(kind, words[COMMAND_A], words[COMMAND_B])
         except StateError as error:
             self._memory.say(str(error))

@@ -31,6 +31,7 @@ from fraese.motor.realtime.report import Told
 from fraese.motor.realtime.session import Session
 from fraese.motor.realtime.setup import Setup
 from fraese.motor.seams import IdleLevel, Report, SwitchMode
+from fraese.phrases import phrase
 
 #: Between two looks at a run, s.
 _LOOK_S: Final = 0.001_5
@@ -187,13 +188,13 @@ class RealtimeDriver:
         """A sign of life, to one who lives."""
         self._require_open()
         if self._session.over:
-            raise PortError("The step process is dead.", alarms.STEP_PROCESS_DIED)
+            raise PortError(phrase("The step process is dead."), alarms.STEP_PROCESS_DIED)
         self._session.require_life()
         self._session.beat()
 
     def _require_open(self) -> None:
         if self._closed:
-            raise PortError("The port is closed.")
+            raise PortError(phrase("The port is closed."))
 
     def _command(self, kind: int, a: int = 0, b: int = 0) -> None:
         self._beat()
@@ -205,7 +206,7 @@ class RealtimeDriver:
         now_s = time.monotonic()
         if now_s < self._revive_at_s:
             raise PortError(
-                "The step process is dead; it is started again in a moment.",
+                phrase("The step process is dead; it is started again in a moment."),
                 alarms.STEP_PROCESS_DIED,
             )
         self._revive_at_s = now_s + _REVIVE_S

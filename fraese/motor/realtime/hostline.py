@@ -6,6 +6,7 @@ import select
 from typing import Final
 
 from fraese.errors import PortError
+from fraese.phrases import phrase
 
 _LENGTH_BYTES: Final = 8
 _AT_ONCE: Final = 4096
@@ -40,7 +41,7 @@ class HostLine:
         while len(data) < size:
             part = os.read(self._fd, size - len(data))
             if not part:
-                raise PortError("The program that drives the step process is gone.")
+                raise PortError(phrase("The program that drives the step process is gone."))
             data += part
         return data
 

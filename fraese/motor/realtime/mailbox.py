@@ -12,6 +12,7 @@ from typing import Final
 
 from fraese.motor.realtime.memory import COMMAND, COMMAND_A, COMMAND_B, COMMAND_KIND
 from fraese.motor.seams import IdleLevel, SwitchMode
+from fraese.phrases import phrase
 
 RESUME: Final = 1
 OUTPUTS: Final = 2
@@ -22,8 +23,8 @@ CLOSE: Final = 6
 
 #: Commands for standstill, and what is said where it is not.
 AT_STANDSTILL: Final = {
-    FLUSH: "the queue can only be dropped",
-    IDLE: "the motors can only be switched off",
+    FLUSH: phrase("the queue can only be dropped"),
+    IDLE: phrase("the motors can only be switched off"),
 }
 
 DONE: Final = 0

@@ -14,6 +14,7 @@ from typing import Final, NamedTuple
 
 from fraese.blocks import Block, steps_done
 from fraese.motor.seams import Report
+from fraese.phrases import joined, phrase
 
 DONE_BITS: Final = 32
 _DONE_MASK: Final = (1 << DONE_BITS) - 1
@@ -45,9 +46,16 @@ class Bounds(NamedTuple):
 
     def in_words(self) -> str:
         """A part of a sentence."""
-        return ", ".join(
-            f"motor {motor + 1} {low} to {high}" if low != high else f"motor {motor + 1} {low}"
-            for motor, (low, high) in enumerate(zip(self.low_steps, self.high_steps, strict=True))
+        return joined(
+            ", ",
+            (
+                phrase("motor {motor} {low} to {high}", motor=motor, low=low, high=high)
+                if low != high
+                else phrase("motor {motor} {low}", motor=motor, low=low)
+                for motor, (low, high) in enumerate(
+                    zip(self.low_steps, self.high_steps, strict=True), start=1
+                )
+            ),
         )
 
 

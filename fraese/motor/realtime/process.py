@@ -33,6 +33,7 @@ from fraese.motor.realtime.hostline import message
 from fraese.motor.realtime.memory import DOZING, STAGE, Memory
 from fraese.motor.realtime.rescue import switch_off
 from fraese.motor.realtime.setup import Setup
+from fraese.phrases import phrase, reason
 from fraese.spawn import command, environment
 
 _MODULE: Final = "fraese.motor.realtime.child"
@@ -62,14 +63,20 @@ class Death:
         """For the user."""
         if self.error and self.error == self.how:
             # The port itself is gone, and has said what to do.
-            return f"{self.how}, then reference the machine again."
+            return phrase("{how}, then reference the machine again.", how=self.how)
         if self.error:
-            off = f"the motors could not be switched off ({self.error}): cut their power"
+            off = phrase(
+                "the motors could not be switched off ({error}): cut their power", error=self.error
+            )
         elif self.off_ms is None:
-            off = "it switched the motors off"
+            off = phrase("it switched the motors off")
         else:
-            off = f"the motors were switched off {self.off_ms:.0f} ms later"
-        return f"{self.how}; {off}. The position is uncertain: reference the machine again."
+            off = phrase("the motors were switched off {off_ms:.0f} ms later", off_ms=self.off_ms)
+        return phrase(
+            "{how}; {off}. The position is uncertain: reference the machine again.",
+            how=self.how,
+            off=off,
+        )
 
 
 class ChildProcess:
@@ -101,7 +108,7 @@ class ChildProcess:
             self._process = self._spawn(fd, samples)
         except OSError as error:
             raise PortError(
-                f"The step process cannot be started: {error.strerror}.",
+                phrase("The step process cannot be started: {reason}.", reason=reason(error)),
                 alarms.STEP_PROCESS_START,
             ) from error
         finally:
@@ -157,7 +164,8 @@ class ChildProcess:
         if said:
             raise PortError(said)
         raise PortError(
-            f"The step process did not start ({self._how(self._code)}).", alarms.STEP_PROCESS_START
+            phrase("The step process did not start ({how}).", how=self._how(self._code)),
+            alarms.STEP_PROCESS_START,
         )
 
     @property
@@ -185,14 +193,16 @@ class ChildProcess:
         """It was told to end: wait for that; if it takes longer, kill it."""
         self._leaves = True
         if not self._buried.wait(patience_s):
-            self.kill("The step process did not end when told to and was killed")
+            self.kill(phrase("The step process did not end when told to and was killed"))
         return self.bury()
 
     def bury(self) -> Death:
         """How it ended; waits until the motors have been seen to."""
         self._buried.wait(_BURIAL_S)
         self._pipe.close()
-        return self.death or Death("The step process cannot be ended", error="it still lives")
+        return self.death or Death(
+            phrase("The step process cannot be ended"), error=phrase("it still lives")
+        )
 
     def _watch(self) -> None:
         """In a thread of its own: waits for the end."""
@@ -216,7 +226,7 @@ class ChildProcess:
     def _judge(self, code: int, ended_ns: int) -> Death:
         stage = self.memory.words[STAGE]
         if stage == shared.ENDED:
-            how = "" if self._leaves else "The step process was told to end"
+            how = "" if self._leaves else phrase("The step process was told to end")
             return Death(how)
         if stage == shared.FAILED or not self._started:
             return Death(self._how(code))
@@ -232,5 +242,5 @@ class ChildProcess:
         if self.memory.words[STAGE] in (shared.FAILED, shared.FAILED_LIVE):
             return self.memory.text().rstrip(".")
         if code < 0:
-            return f"The step process died ({signal.Signals(-code).name})"
-        return f"The step process ended by itself (code {code})"
+            return phrase("The step process died ({name})", name=signal.Signals(-code).name)
+        return phrase("The step process ended by itself (code {code})", code=code)

@@ -36,6 +36,7 @@ from fraese.motor.realtime.records import encode, size_of
 from fraese.motor.realtime.report import Told, read
 from fraese.motor.realtime.ring import RingWriter
 from fraese.motor.realtime.setup import Setup
+from fraese.phrases import phrase
 
 #: Between two looks for an answer, s.
 _ANSWER_S: Final = 0.000_1
@@ -197,7 +198,10 @@ class Session:
             waited_s += min(looked_s - before_s, _HELD_UP_S)
             if waited_s > self._hung_s:
                 self.child.kill(
-                    f"The step process did not answer for {self._hung_s:g} s and was killed"
+                    phrase(
+                        "The step process did not answer for {hung_s:g} s and was killed",
+                        hung_s=self._hung_s,
+                    )
                 )
                 self._tell_death()
             time.sleep(_ANSWER_S)
@@ -207,7 +211,11 @@ class Session:
         sentence = self.child.bury().sentence()
         bounds = self.bounds().after(self.base_steps)
         raise PortError(
-            f"{sentence} It was at steps {bounds.in_words()}.",
+            phrase(
+                "{sentence} It was at steps {in_words}.",
+                sentence=sentence,
+                in_words=bounds.in_words(),
+            ),
             alarms.STEP_PROCESS_DIED,
             at_steps=bounds.at_steps,
             low_steps=bounds.low_steps,

@@ -23,6 +23,7 @@ from typing import Final
 from fraese.motor.realtime.cores import core_for_steps
 from fraese.motor.realtime.kernel import kernel_facts
 from fraese.motor.realtime.setup import SLEEP_GAP_S, Setup
+from fraese.phrases import phrase, reason
 
 PRIORITY: Final = 50
 _NICE: Final = -20
@@ -64,12 +65,12 @@ def rt_is_unlimited() -> bool:
 def _stay_on_one_core(setup: Setup) -> str:
     core = core_for_steps(setup.options.core, kernel_facts(PRIORITY))
     if core is None:
-        return "one core only: the steps share it with everything else"
+        return phrase("one core only: the steps share it with everything else")
     try:
         os.sched_setaffinity(0, {core})
     except OSError as error:
-        return f"not on core {core}: {error.strerror}"
-    return f"on core {core}"
+        return phrase("not on core {core}: {reason}", core=core, reason=reason(error))
+    return phrase("on core {core}", core=core)
 
 
 def _come_first(setup: Setup) -> str:
@@ -79,8 +80,10 @@ def _come_first(setup: Setup) -> str:
         try:
             os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
         except OSError as error:
-            return f"no SCHED_FIFO ({error.strerror}); {_be_nice()}"
-        return f"SCHED_FIFO {PRIORITY}"
+            return phrase(
+                "no SCHED_FIFO ({reason}); {be_nice}", reason=reason(error), be_nice=_be_nice()
+            )
+        return phrase("SCHED_FIFO {priority}", priority=PRIORITY)
     return _be_nice()
 
 
@@ -90,22 +93,28 @@ def _be_nice() -> str:
         with contextlib.suppress(FileNotFoundError):
             _AUTOGROUP.write_text(str(_NICE), "ascii")
     except OSError as error:
-        return f"no nice {_NICE} ({error.strerror})"
-    return f"nice {_NICE}"
+        return phrase("no nice {nice} ({reason})", nice=_NICE, reason=reason(error))
+    return phrase("nice {nice}", nice=_NICE)
+
+
+def _last() -> OSError:
+    """What the C library's last call was refused for."""
+    number = ctypes.get_errno()
+    return OSError(number, os.strerror(number))
 
 
 def _lock_memory(_: Setup) -> str:
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.mlockall(_MCL_CURRENT | _MCL_FUTURE):
-        return f"memory not locked: {os.strerror(ctypes.get_errno())}"
-    return "memory locked"
+        return phrase("memory not locked: {reason}", reason=reason(_last()))
+    return phrase("memory locked")
 
 
 def _wake_exactly(_: Setup) -> str:
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0):
-        return f"timer slack unchanged: {os.strerror(ctypes.get_errno())}"
-    return "timer slack 1 ns"
+        return phrase("timer slack unchanged: {reason}", reason=reason(_last()))
+    return phrase("timer slack 1 ns")
 
 
 def _stay_awake(_: Setup) -> str:
@@ -114,12 +123,16 @@ def _stay_awake(_: Setup) -> str:
         fd = os.open(_DMA_LATENCY, os.O_WRONLY)
         os.write(fd, (0).to_bytes(4, "little"))
     except OSError as error:
-        return f"the processor may sleep: {_DMA_LATENCY}: {error.strerror}"
-    return "the processor does not sleep"
+        return phrase(
+            "the processor may sleep: {dma_latency}: {reason}",
+            dma_latency=_DMA_LATENCY,
+            reason=reason(error),
+        )
+    return phrase("the processor does not sleep")
 
 
 def _collect_no_garbage(_: Setup) -> str:
     gc.collect()
     gc.freeze()
     gc.disable()
-    return "no garbage collection"
+    return phrase("no garbage collection")
