@@ -13,7 +13,7 @@ from fraese.cli.histogram import histogram
 from fraese.cli.output import note, say
 from fraese.cli.shared import ConfigOption, JsonOption, leave
 from fraese.errors import UsageError
-from fraese.phrases import phrase
+from fraese.phrases import phrase, shown
 
 if TYPE_CHECKING:
     from fraese.doctor import Diagnosis
@@ -83,14 +83,14 @@ def report(diagnosis: "Diagnosis") -> list[str]:
     lines += ["", *_table(diagnosis.timing), "", *_bars(diagnosis.timing), ""]
     lines += _rungs(diagnosis.timing)
     for sentence in diagnosis.advice:
-        lines += ["", *textwrap.wrap(sentence, _WIDTH)]
-    return [*lines, "", _summary(diagnosis)]
+        lines += ["", *textwrap.wrap(shown(sentence), _WIDTH)]
+    return [*lines, "", shown(_summary(diagnosis))]
 
 
 def _finding(finding: "Finding") -> list[str]:
-    head = f"{_MARKS[finding.state.value]:<{_MARK}}{finding.name:<{_NAME}}"
+    head = f"{_MARKS[finding.state.value]:<{_MARK}}{shown(finding.name):<{_NAME}}"
     lines = textwrap.wrap(
-        finding.found,
+        shown(finding.found),
         _WIDTH,
         initial_indent=head,
         subsequent_indent=_INDENT,
@@ -98,7 +98,7 @@ def _finding(finding: "Finding") -> list[str]:
     )
     if finding.change:
         # Not broken: it may be a line to be copied.
-        lines.append(f"{_INDENT}-> {finding.change}")
+        lines.append(f"{_INDENT}-> {shown(finding.change)}")
     return lines
 
 
@@ -110,13 +110,16 @@ def _table(timing: "Timing") -> list[str]:
         motors=duty.motors,
     )
     names = ("median", "p99", "p99.9", "longest", "> 1/4", "of")
-    lines = [f"{title:<44}" + "".join(f"{name:>9}" for name in names)]
+    lines = [f"{shown(title):<44}" + "".join(f"{name:>9}" for name in names)]
     for run in timing.runs:
         figures = "".join(f"{value:9.1f}" for value in run.result.percentiles_us())
         counts = f"{run.result.late_edges():9}{len(run.result.late_us):9}"
         lines.append(f"  {run.name:<42}{figures}{counts}")
         lines += textwrap.wrap(
-            "; ".join(run.result.notes), _WIDTH, initial_indent="    ", subsequent_indent="    "
+            "; ".join(map(shown, run.result.notes)),
+            _WIDTH,
+            initial_indent="    ",
+            subsequent_indent="    ",
         )
     return lines
 
@@ -139,7 +142,7 @@ def _rungs(timing: "Timing") -> list[str]:
         quarter_us = 1e6 / rung.rate_hz / 4
         lines.append(
             f"{rung.rate_hz:9g}{rung.p999_us:12.1f}{quarter_us:13.1f}{rung.played_hz:9.0f}"
-            f"  {'holds' if rung.holds else 'does not hold'}"
+            f"  {shown(phrase('holds') if rung.holds else phrase('does not hold'))}"
         )
     return lines
 

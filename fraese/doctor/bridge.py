@@ -12,6 +12,7 @@ from typing import Final
 
 from fraese.doctor.findings import Check, Finding, Patient, State
 from fraese.doctor.opening import Board, Stage
+from fraese.phrases import phrase
 
 #: An answer takes 3 ms at 250,000 baud; a brake is confirmed no sooner.
 _SLOW_S: Final = 0.01
@@ -29,67 +30,92 @@ def _board_of(patient: Patient) -> Board:
 def _device(patient: Patient) -> Finding:
     serial = _board_of(patient).serial
     if serial is None:
-        return Finding("device", State.BAD, patient.opening.error)
+        return Finding(phrase("device"), State.BAD, patient.opening.error)
     device = serial.device
     if not device.present:
         return Finding(
-            "device",
+            phrase("device"),
             State.BAD,
-            f"{device.path} does not exist.",
-            "Plug the board in, or correct port.device (see fraese ports).",
+            phrase("{path} does not exist.", path=device.path),
+            phrase("Plug the board in, or correct port.device (see fraese ports)."),
         )
     who = f"{device.mode}, {device.owner}, group {device.group}"
-    return Finding("device", State.OK, f"{device.path} is there ({who}).")
+    return Finding(
+        phrase("device"), State.OK, phrase("{path} is there ({who}).", path=device.path, who=who)
+    )
 
 
 def _permission(patient: Patient) -> Finding:
     serial = _board_of(patient).serial
     if serial is None or not serial.device.present:
-        return Finding("permission", State.BAD, "There is no port to use.")
+        return Finding(phrase("permission"), State.BAD, phrase("There is no port to use."))
     device = serial.device
     if device.allowed:
-        return Finding("permission", State.OK, f"This user may read and write {device.path}.")
+        return Finding(
+            phrase("permission"),
+            State.OK,
+            phrase("This user may read and write {path}.", path=device.path),
+        )
     group = device.group if device.group != "root" else "dialout"
     return Finding(
-        "permission",
+        phrase("permission"),
         State.BAD,
-        f"This user may not use {device.path}.",
-        f"Join its group with sudo usermod -aG {group} $USER and log in again.",
+        phrase("This user may not use {path}.", path=device.path),
+        phrase("Join its group with sudo usermod -aG {group} $USER and log in again.", group=group),
     )
 
 
 def _claim(patient: Patient) -> Finding:
     if _board_of(patient).stage < Stage.OPENED:
-        return Finding("claim", State.BAD, patient.opening.error)
-    return Finding("claim", State.OK, "Opened for this program alone and given back.")
+        return Finding(phrase("claim"), State.BAD, patient.opening.error)
+    return Finding(
+        phrase("claim"), State.OK, phrase("Opened for this program alone and given back.")
+    )
 
 
 def _firmware(patient: Patient) -> Finding:
     board = _board_of(patient)
     if board.stage < Stage.OPENED:
-        return Finding("firmware", State.BAD, "The port is not open: nobody could be asked.")
+        return Finding(
+            phrase("firmware"), State.BAD, phrase("The port is not open: nobody could be asked.")
+        )
     if board.hello is None:
-        return Finding("firmware", State.BAD, patient.opening.error)
+        return Finding(phrase("firmware"), State.BAD, patient.opening.error)
     hello = board.hello
     return Finding(
-        "firmware",
+        phrase("firmware"),
         State.OK,
-        f"Board {hello.board}, firmware {hello.firmware[0]}.{hello.firmware[1]}, protocol"
-        f" {hello.version}, {board.baud} baud, {hello.ring} bytes of queue.",
+        phrase(
+            "Board {board}, firmware {firmware}.{firmware_2}, protocol {version}, {baud}"
+            " baud, {ring} bytes of queue.",
+            board=hello.board,
+            firmware=hello.firmware[0],
+            firmware_2=hello.firmware[1],
+            version=hello.version,
+            baud=board.baud,
+            ring=hello.ring,
+        ),
     )
 
 
 def _card(patient: Patient) -> Finding:
     board, card = _board_of(patient), patient.config.card
     if board.hello is None:
-        return Finding("card", State.BAD, "Nobody could be told which card there is.")
+        return Finding(
+            phrase("card"), State.BAD, phrase("Nobody could be told which card there is.")
+        )
     if board.stage < Stage.TOLD:
-        return Finding("card", State.BAD, patient.opening.error)
+        return Finding(phrase("card"), State.BAD, patient.opening.error)
     return Finding(
-        "card",
+        phrase("card"),
         State.OK,
-        f"The board takes the card {card.kind}: it drives {board.hello.motors} motors, with tables"
-        f" of up to {board.hello.table_max} entries. Left with motors and outputs off.",
+        phrase(
+            "The board takes the card {kind}: it drives {motors} motors, with tables of up"
+            " to {table_max} entries. Left with motors and outputs off.",
+            kind=card.kind,
+            motors=board.hello.motors,
+            table_max=board.hello.table_max,
+        ),
     )
 
 
@@ -97,17 +123,21 @@ def _line(patient: Patient) -> Finding:
     carried = _board_of(patient).carried
     if carried is None:
         return _untried(patient, "line")
-    found = (
-        f"{carried.frames} frames carried, {carried.resent} of them sent again; the board found"
-        f" {carried.damaged} damaged."
+    found = phrase(
+        "{frames} frames carried, {resent} of them sent again; the board found {damaged} damaged.",
+        frames=carried.frames,
+        resent=carried.resent,
+        damaged=carried.damaged,
     )
     if carried.resent * 100 <= carried.frames * _RESENT_PERCENT:
-        return Finding("line", State.OK, found)
+        return Finding(phrase("line"), State.OK, found)
     return Finding(
-        "line",
+        phrase("line"),
         State.WARN,
-        f"{found} No step is lost by that, but the queue is filled more slowly.",
-        "Use another cable or plug, without a hub, away from spindle and motor leads.",
+        phrase(
+            "{found} No step is lost by that, but the queue is filled more slowly.", found=found
+        ),
+        phrase("Use another cable or plug, without a hub, away from spindle and motor leads."),
     )
 
 
@@ -116,59 +146,64 @@ def _answers(patient: Patient) -> Finding:
     if not trips_s:
         return _untried(patient, "answers")
     median_s, slowest_s = statistics.median(trips_s), max(trips_s)
-    found = (
-        f"Each of {len(trips_s)} questions was answered, after {median_s * 1000:.1f} ms (median),"
-        f" {slowest_s * 1000:.1f} ms at most"
+    found = phrase(
+        "Each of {count} questions was answered, after {median_s:.1f} ms (median),"
+        " {slowest_s:.1f} ms at most",
+        count=len(trips_s),
+        median_s=median_s * 1000,
+        slowest_s=slowest_s * 1000,
     )
     if median_s > _SLOW_S:
         return Finding(
-            "answers",
+            phrase("answers"),
             State.WARN,
-            f"{found}: the stop key is that much later.",
-            "See latency timer and hubs below; a busy computer answers late, too.",
+            phrase("{found}: the stop key is that much later.", found=found),
+            phrase("See latency timer and hubs below; a busy computer answers late, too."),
         )
     if slowest_s > _PAUSE_S:
         return Finding(
-            "answers",
+            phrase("answers"),
             State.WARN,
-            f"{found}: this computer pauses.",
-            "See what else runs on it.",
+            phrase("{found}: this computer pauses.", found=found),
+            phrase("See what else runs on it."),
         )
-    return Finding("answers", State.OK, f"{found}.")
+    return Finding(phrase("answers"), State.OK, f"{found}.")
 
 
 def _untried(patient: Patient, name: str) -> Finding:
     stage = _board_of(patient).stage
-    why = patient.opening.error if stage is Stage.TOLD else "The board was not reached."
+    why = patient.opening.error if stage is Stage.TOLD else phrase("The board was not reached.")
     return Finding(name, State.BAD, why)
 
 
 def _latency(patient: Patient) -> Finding:
-    serial, name = _board_of(patient).serial, "latency timer"
+    serial, name = _board_of(patient).serial, phrase("latency timer")
     if serial is None or serial.latency_ms is None:
-        return Finding(name, State.OK, "This port has none that can be read.")
-    found = f"The USB chip keeps answers back for up to {serial.latency_ms} ms"
+        return Finding(name, State.OK, phrase("This port has none that can be read."))
+    found = phrase(
+        "The USB chip keeps answers back for up to {latency_ms} ms", latency_ms=serial.latency_ms
+    )
     if serial.latency_ms <= _LATENCY_MS:
         return Finding(name, State.OK, f"{found}.")
     return Finding(
         name,
         State.WARN,
-        f"{found}: positions and ends of moves are known that much later.",
-        f"echo 1 | sudo tee {serial.latency_file}",
+        phrase("{found}: positions and ends of moves are known that much later.", found=found),
+        phrase("echo 1 | sudo tee {latency_file}", latency_file=serial.latency_file),
     )
 
 
 def _usb_power(patient: Patient) -> Finding:
-    serial, name = _board_of(patient).serial, "usb power"
+    serial, name = _board_of(patient).serial, phrase("usb power")
     if serial is None or serial.power_file is None:
-        return Finding(name, State.OK, "This port is not on USB, as far as can be read.")
+        return Finding(name, State.OK, phrase("This port is not on USB, as far as can be read."))
     if not serial.may_sleep:
-        return Finding(name, State.OK, "USB does not put the board to sleep.")
+        return Finding(name, State.OK, phrase("USB does not put the board to sleep."))
     return Finding(
         name,
         State.WARN,
-        "USB may put the board to sleep when nothing is said for a while (autosuspend).",
-        f"echo on | sudo tee {serial.power_file}",
+        phrase("USB may put the board to sleep when nothing is said for a while (autosuspend)."),
+        phrase("echo on | sudo tee {power_file}", power_file=serial.power_file),
     )
 
 

@@ -12,6 +12,7 @@ from typing import Final
 from fraese.doctor.findings import Check, Finding, Patient, State
 from fraese.motor.realtime.cores import core_for_steps, quietest_core
 from fraese.motor.realtime.kernel import KernelFacts
+from fraese.phrases import phrase
 
 _NICE_WANTED: Final = -20
 #: What the step process locks, with room to spare, bytes.
@@ -25,59 +26,79 @@ _FAST_GOVERNORS: Final = frozenset({"performance"})
 
 
 def _limits(item: str, value: str) -> str:
-    return f"Write @lp - {item} {value} into {_LIMITS} (lp: a group of yours) and log in again."
+    return phrase(
+        "Write @lp - {item} {value} into {limits} (lp: a group of yours) and log in again.",
+        item=item,
+        value=value,
+        limits=_LIMITS,
+    )
 
 
 def _realtime(patient: Patient) -> Finding:
-    name = "real-time scheduling"
+    name = phrase("real-time scheduling")
     if not patient.sleeps:
         return Finding(
             name,
             State.OK,
-            "Not wanted: at the configured rates the step process never sleeps, and runs with"
-            " nice -20.",
+            phrase(
+                "Not wanted: at the configured rates the step process never sleeps, and runs"
+                " with nice -20."
+            ),
         )
     if patient.kernel.may_be_realtime:
-        return Finding(name, State.OK, "Allowed: the step process runs under SCHED_FIFO.")
+        return Finding(name, State.OK, phrase("Allowed: the step process runs under SCHED_FIFO."))
     return Finding(
         name,
         State.WARN,
-        "Not allowed (RLIMIT_RTPRIO is too low): other programs delay the steps.",
+        phrase("Not allowed (RLIMIT_RTPRIO is too low): other programs delay the steps."),
         _limits("rtprio", "50"),
     )
 
 
 def _throttling(patient: Patient) -> Finding:
-    name, share = "real-time throttling", patient.kernel.throttle_share
+    name, share = phrase("real-time throttling"), patient.kernel.throttle_share
     if share is None:
-        return Finding(name, State.OK, "Off, or not known to this kernel.")
+        return Finding(name, State.OK, phrase("Off, or not known to this kernel."))
     stopped_ms = (1 - share) * patient.kernel.rt_period_us / 1000
-    held = f"Real-time processes get {share:.0%} of each second (sched_rt_runtime_us)"
+    held = phrase(
+        "Real-time processes get {share:.0%} of each second (sched_rt_runtime_us)", share=share
+    )
     if patient.sleeps:
         return Finding(
             name,
             State.OK,
-            f"{held}: harmless, the configured rates leave the step process time to sleep.",
+            phrase(
+                "{held}: harmless, the configured rates leave the step process time to sleep.",
+                held=held,
+            ),
         )
     return Finding(
         name,
         State.WARN,
-        f"{held}: the configured rates leave no time to sleep, and SCHED_FIFO would be stopped for"
-        f" {stopped_ms:.0f} ms at a time. So it is not used.",
-        "With a core to spare: sudo sysctl kernel.sched_rt_runtime_us=-1. Or lower"
-        " axes.*.max_rate_hz.",
+        phrase(
+            "{held}: the configured rates leave no time to sleep, and SCHED_FIFO would be"
+            " stopped for {stopped_ms:.0f} ms at a time. So it is not used.",
+            held=held,
+            stopped_ms=stopped_ms,
+        ),
+        phrase(
+            "With a core to spare: sudo sysctl kernel.sched_rt_runtime_us=-1. Or lower"
+            " axes.*.max_rate_hz."
+        ),
     )
 
 
 def _nice(patient: Patient) -> Finding:
     nicest = patient.kernel.nicest
     if nicest <= _NICE_WANTED:
-        return Finding("nice", State.OK, f"Down to {nicest} is allowed.")
+        return Finding(
+            phrase("nice"), State.OK, phrase("Down to {nicest} is allowed.", nicest=nicest)
+        )
     needed = not (patient.sleeps and patient.kernel.may_be_realtime)
     return Finding(
-        "nice",
+        phrase("nice"),
         State.WARN if needed else State.OK,
-        f"Only down to {nicest} is allowed (RLIMIT_NICE).",
+        phrase("Only down to {nicest} is allowed (RLIMIT_NICE).", nicest=nicest),
         _limits("nice", str(_NICE_WANTED)) if needed else "",
     )
 
@@ -85,12 +106,17 @@ def _nice(patient: Patient) -> Finding:
 def _memory(patient: Patient) -> Finding:
     lockable = patient.kernel.lockable_bytes
     if lockable >= _LOCKED_BYTES:
-        return Finding("locked memory", State.OK, "As much as the step process needs.")
+        return Finding(
+            phrase("locked memory"), State.OK, phrase("As much as the step process needs.")
+        )
     return Finding(
-        "locked memory",
+        phrase("locked memory"),
         State.WARN,
-        f"{lockable >> 10} KiB at most (RLIMIT_MEMLOCK): the step process may have to wait for the"
-        " disk.",
+        phrase(
+            "{lockable} KiB at most (RLIMIT_MEMLOCK): the step process may have to wait for"
+            " the disk.",
+            lockable=lockable >> 10,
+        ),
         _limits("memlock", "unlimited"),
     )
 
@@ -98,14 +124,16 @@ def _memory(patient: Patient) -> Finding:
 def _autogroup(patient: Patient) -> Finding:
     kernel = patient.kernel
     if not kernel.autogroup:
-        return Finding("autogroup", State.OK, "Off.")
+        return Finding(phrase("autogroup"), State.OK, "Off.")
     if kernel.nicest <= _NICE_WANTED or (patient.sleeps and kernel.may_be_realtime):
-        return Finding("autogroup", State.OK, "On; the step process' own group comes first.")
+        return Finding(
+            phrase("autogroup"), State.OK, phrase("On; the step process' own group comes first.")
+        )
     return Finding(
-        "autogroup",
+        phrase("autogroup"),
         State.WARN,
-        "On: each session gets the same share, however nice its processes are.",
-        "sudo sysctl kernel.sched_autogroup_enabled=0",
+        phrase("On: each session gets the same share, however nice its processes are."),
+        phrase("sudo sysctl kernel.sched_autogroup_enabled=0"),
     )
 
 
@@ -116,39 +144,58 @@ def _cores(patient: Patient) -> Finding:
     quietest, served = quietest_core(kernel), kernel.device_interrupts
     if len(usable) < 2:
         return Finding(
-            "cores",
+            phrase("cores"),
             State.WARN,
-            "One only: the steps share it with the display and all else.",
-            "Use a computer with two cores or more, or keep the step rates low.",
+            phrase("One only: the steps share it with the display and all else."),
+            phrase("Use a computer with two cores or more, or keep the step rates low."),
         )
     if mine not in usable:
         return Finding(
-            "cores",
+            phrase("cores"),
             State.WARN,
-            f"realtime.core names core {mine}, which this program may not use.",
-            f"Name one of {', '.join(map(str, usable))}, or none.",
+            phrase("realtime.core names core {mine}, which this program may not use.", mine=mine),
+            phrase("Name one of {usable}, or none.", usable=", ".join(map(str, usable))),
         )
     if kernel.isolated:
         return _isolated(kernel, mine)
     if quietest is not None and mine != quietest:
         return Finding(
-            "cores",
+            phrase("cores"),
             State.WARN,
-            f"{len(usable)}; the steps are made on core {mine}, which has served {served[mine]}"
-            f" interrupts of devices since boot, core {quietest} only {served[quietest]}.",
+            phrase(
+                "{count}; the steps are made on core {mine}, which has served {served}"
+                " interrupts of devices since boot, core {quietest} only {served_2}.",
+                count=len(usable),
+                mine=mine,
+                served=served[mine],
+                quietest=quietest,
+                served_2=served[quietest],
+            ),
             f"realtime.core = {quietest}",
         )
-    return Finding("cores", State.OK, f"{len(usable)}; the steps are made on core {mine}.")
+    return Finding(
+        phrase("cores"),
+        State.OK,
+        phrase("{count}; the steps are made on core {mine}.", count=len(usable), mine=mine),
+    )
 
 
 def _isolated(kernel: KernelFacts, mine: int) -> Finding:
     if mine in kernel.isolated:
-        return Finding("cores", State.OK, f"The steps have core {mine} to themselves (isolcpus).")
+        return Finding(
+            phrase("cores"),
+            State.OK,
+            phrase("The steps have core {mine} to themselves (isolcpus).", mine=mine),
+        )
     free = kernel.isolated[-1]
     return Finding(
-        "cores",
+        phrase("cores"),
         State.WARN,
-        f"Core {free} is kept free of all else, but the steps are made on core {mine}.",
+        phrase(
+            "Core {free} is kept free of all else, but the steps are made on core {mine}.",
+            free=free,
+            mine=mine,
+        ),
         f"realtime.core = {free}",
     )
 
@@ -156,77 +203,106 @@ def _isolated(kernel: KernelFacts, mine: int) -> Finding:
 def _governor(patient: Patient) -> Finding:
     governors = patient.kernel.governors
     if not governors:
-        return Finding("frequency", State.OK, "The kernel does not change it.")
+        return Finding(phrase("frequency"), State.OK, phrase("The kernel does not change it."))
     if set(governors) <= _FAST_GOVERNORS:
-        return Finding("frequency", State.OK, "Governor performance: always the full one.")
+        return Finding(
+            phrase("frequency"), State.OK, phrase("Governor performance: always the full one.")
+        )
     return Finding(
-        "frequency",
+        phrase("frequency"),
         State.WARN,
-        f"Governor {', '.join(governors)}: the processor may be slow when a tick comes.",
-        "sudo cpupower frequency-set -g performance",
+        phrase(
+            "Governor {governors}: the processor may be slow when a tick comes.",
+            governors=", ".join(governors),
+        ),
+        phrase("sudo cpupower frequency-set -g performance"),
     )
 
 
 def _idle(patient: Patient) -> Finding:
     kernel = patient.kernel
     if not kernel.idle_states:
-        return Finding("idle states", State.OK, "The kernel does not manage any.")
+        return Finding(phrase("idle states"), State.OK, phrase("The kernel does not manage any."))
     deepest = max(kernel.idle_states, key=lambda state: state.wake_us)
-    found = f"Deepest {deepest.name}, {deepest.wake_us} us to wake"
+    found = phrase(
+        "Deepest {name}, {wake_us} us to wake", name=deepest.name, wake_us=deepest.wake_us
+    )
     if kernel.may_forbid_idle:
         return Finding(
-            "idle states", State.OK, f"{found}; forbidden while steps are made (cpu_dma_latency)."
+            phrase("idle states"),
+            State.OK,
+            phrase("{found}; forbidden while steps are made (cpu_dma_latency).", found=found),
         )
     if kernel.slowest_wake_us <= _WAKE_US:
-        return Finding("idle states", State.OK, f"{found}; the slow ones are switched off.")
+        return Finding(
+            phrase("idle states"),
+            State.OK,
+            phrase("{found}; the slow ones are switched off.", found=found),
+        )
     return Finding(
-        "idle states",
+        phrase("idle states"),
         State.WARN,
-        f"{found}, and this user may not forbid it: /dev/cpu_dma_latency cannot be written.",
-        'Write KERNEL=="cpu_dma_latency", GROUP="lp", MODE="0660" into'
-        " /etc/udev/rules.d/60-fraese.rules and start the computer anew.",
+        phrase(
+            "{found}, and this user may not forbid it: /dev/cpu_dma_latency cannot be written.",
+            found=found,
+        ),
+        phrase(
+            'Write KERNEL=="cpu_dma_latency", GROUP="lp", MODE="0660" into'
+            " /etc/udev/rules.d/60-fraese.rules and start the computer anew."
+        ),
     )
 
 
 def _clock(patient: Patient) -> Finding:
     source = patient.kernel.clocksource
     if not source or source in _FAST_CLOCKS:
-        return Finding("clock", State.OK, f"{source or 'Unknown'}.")
+        return Finding(phrase("clock"), State.OK, f"{source or 'Unknown'}.")
     return Finding(
-        "clock",
+        phrase("clock"),
         State.WARN,
-        f"{source}: every look at the time goes over a bus.",
-        "Boot with clocksource=tsc tsc=reliable, if the processor's own clock is sound.",
+        phrase("{source}: every look at the time goes over a bus.", source=source),
+        phrase("Boot with clocksource=tsc tsc=reliable, if the processor's own clock is sound."),
     )
 
 
 def _hypervisor(patient: Patient) -> Finding:
     if not patient.kernel.is_virtual:
-        return Finding("hypervisor", State.OK, "None: the processor belongs to this system.")
+        return Finding(
+            phrase("hypervisor"), State.OK, phrase("None: the processor belongs to this system.")
+        )
     return Finding(
-        "hypervisor",
+        phrase("hypervisor"),
         State.WARN,
-        "This is a virtual machine: its host takes the processor away when it likes, and nothing"
-        " here can forbid it.",
-        "Drive steel from a computer of its own.",
+        phrase(
+            "This is a virtual machine: its host takes the processor away when it likes, and"
+            " nothing here can forbid it."
+        ),
+        phrase("Drive steel from a computer of its own."),
     )
 
 
 def _suspend(patient: Patient) -> Finding:
     kernel = patient.kernel
     if patient.awake:
-        return Finding("suspend", State.OK, "Forbidden while the port is open (systemd-inhibit).")
+        return Finding(
+            phrase("suspend"),
+            State.OK,
+            phrase("Forbidden while the port is open (systemd-inhibit)."),
+        )
     if not kernel.has_logind:
         return Finding(
-            "suspend",
+            phrase("suspend"),
             State.OK,
-            f"Nobody here would send the machine to sleep (no logind); {patient.awake_note}.",
+            phrase(
+                "Nobody here would send the machine to sleep (no logind); {awake_note}.",
+                awake_note=patient.awake_note,
+            ),
         )
     return Finding(
-        "suspend",
+        phrase("suspend"),
         State.WARN,
-        f"Not forbidden while the motors move: {patient.awake_note}.",
-        "sudo systemctl mask sleep.target suspend.target, or switch it off in the desktop.",
+        phrase("Not forbidden while the motors move: {awake_note}.", awake_note=patient.awake_note),
+        phrase("sudo systemctl mask sleep.target suspend.target, or switch it off in the desktop."),
     )
 
 

@@ -5,14 +5,15 @@ from typing import Final
 
 from fraese.assembly.misfits import described, misfits
 from fraese.doctor.findings import Check, Finding, Patient, State
+from fraese.phrases import joined, phrase
 
 
 def _suit(patient: Patient) -> Finding:
     said = misfits(patient.config)
-    found = described(patient.config) or "Step/direction drives."
+    found = described(patient.config) or phrase("Step/direction drives.")
     if not said:
-        return Finding("motors", State.OK, found)
-    return Finding("motors", State.WARN, found, " ".join(said))
+        return Finding(phrase("motors"), State.OK, found)
+    return Finding(phrase("motors"), State.WARN, found, joined(" ", said))
 
 
 MOTOR_CHECKS: Final[Sequence[Check]] = (_suit,)

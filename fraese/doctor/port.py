@@ -17,29 +17,35 @@ from fraese.doctor.bridge import BRIDGE_CHECKS
 from fraese.doctor.findings import Check, Finding, Patient, State
 from fraese.motor.pins import STATUS_PINS
 from fraese.motor.ports.facts import DeviceFacts
+from fraese.phrases import joined, phrase
 
-_MODPROBE: Final = "Load the drivers with sudo modprobe -a parport_pc ppdev."
-_UDEV: Final = (
-    'Write SUBSYSTEM=="ppdev", GROUP="lp", MODE="0660" into /etc/udev/rules.d/60-parport.rules,'
-    " load ppdev anew, join group lp and log in again."
+_MODPROBE: Final = phrase("Load the drivers with sudo modprobe -a parport_pc ppdev.")
+_UDEV: Final = phrase(
+    'Write SUBSYSTEM=="ppdev", GROUP="lp", MODE="0660" into'
+    " /etc/udev/rules.d/60-parport.rules, load ppdev anew, join group lp and log in"
+    " again."
 )
 
 
 def _simulated(_: Patient) -> Finding:
     return Finding(
-        "port",
+        phrase("port"),
         State.OK,
-        "The simulated mill: it needs no port, and nothing of what follows; its time is its own."
-        " What follows holds for this computer with a parallel port.",
+        phrase(
+            "The simulated mill: it needs no port, and nothing of what follows; its time is"
+            " its own. What follows holds for this computer with a parallel port."
+        ),
     )
 
 
 def _microcontroller(_: Patient) -> Finding:
     return Finding(
-        "bridge",
+        phrase("bridge"),
         State.OK,
-        "The microcontroller times the steps by itself: but for suspend, what follows holds for"
-        " this computer with a parallel port.",
+        phrase(
+            "The microcontroller times the steps by itself: but for suspend, what follows"
+            " holds for this computer with a parallel port."
+        ),
     )
 
 
@@ -48,113 +54,172 @@ def _parport(patient: Patient) -> Finding:
 
 
 def _ioport(patient: Patient) -> Finding:
-    return _device(patient.port.ioport, 'Use port.kind = "ppdev": this kernel has no /dev/port.')
+    return _device(
+        patient.port.ioport, phrase('Use port.kind = "ppdev": this kernel has no /dev/port.')
+    )
 
 
 def _device(device: DeviceFacts, change: str) -> Finding:
     if not device.present:
-        return Finding("device", State.BAD, f"{device.path} does not exist.", change)
+        return Finding(
+            phrase("device"), State.BAD, phrase("{path} does not exist.", path=device.path), change
+        )
     if not device.is_device:
-        return Finding("device", State.BAD, f"{device.path} is not a device file.", change)
+        return Finding(
+            phrase("device"),
+            State.BAD,
+            phrase("{path} is not a device file.", path=device.path),
+            change,
+        )
     who = f"{device.mode}, {device.owner}, group {device.group}"
-    return Finding("device", State.OK, f"{device.path} is there ({who}).")
+    return Finding(
+        phrase("device"), State.OK, phrase("{path} is there ({who}).", path=device.path, who=who)
+    )
 
 
 def _may_use_parport(patient: Patient) -> Finding:
     device = patient.port.device
     helps = device.mode[4:6] == "rw" and device.group != "root"
-    join = f"Join its group with sudo usermod -aG {device.group} $USER and log in again."
+    join = phrase(
+        "Join its group with sudo usermod -aG {group} $USER and log in again.", group=device.group
+    )
     return _permission(device, join if helps else _UDEV)
 
 
 def _may_use_ioport(patient: Patient) -> Finding:
-    return _permission(patient.port.ioport, 'Run as root, or use port.kind = "ppdev".')
+    return _permission(patient.port.ioport, phrase('Run as root, or use port.kind = "ppdev".'))
 
 
 def _permission(device: DeviceFacts, change: str) -> Finding:
     if device.allowed:
-        return Finding("permission", State.OK, f"This user may read and write {device.path}.")
+        return Finding(
+            phrase("permission"),
+            State.OK,
+            phrase("This user may read and write {path}.", path=device.path),
+        )
     if not device.present:
-        return Finding("permission", State.BAD, f"There is no {device.path} to use.")
-    return Finding("permission", State.BAD, f"This user may not use {device.path}.", change)
+        return Finding(
+            phrase("permission"), State.BAD, phrase("There is no {path} to use.", path=device.path)
+        )
+    return Finding(
+        phrase("permission"),
+        State.BAD,
+        phrase("This user may not use {path}.", path=device.path),
+        change,
+    )
 
 
 def _printer_driver(patient: Patient) -> Finding:
     port = patient.port
     if port.lp_holds_it:
         return Finding(
-            "printer driver",
+            phrase("printer driver"),
             State.BAD,
-            f"The printer driver lp has {port.device.path}.",
-            "Unload it with sudo rmmod lp; it comes again at boot if /etc/modules-load.d names it.",
+            phrase("The printer driver lp has {path}.", path=port.device.path),
+            phrase(
+                "Unload it with sudo rmmod lp; it comes again at boot if /etc/modules-load.d"
+                " names it."
+            ),
         )
     if "lp" in port.modules:
         return Finding(
-            "printer driver", State.OK, "lp is loaded, but has not got the port: it does no harm."
+            phrase("printer driver"),
+            State.OK,
+            phrase("lp is loaded, but has not got the port: it does no harm."),
         )
-    return Finding("printer driver", State.OK, "lp is not loaded.")
+    return Finding(phrase("printer driver"), State.OK, phrase("lp is not loaded."))
 
 
 def _lockdown_of_ppdev(patient: Patient) -> Finding:
-    locked = patient.port.lockdown or "not known to this kernel"
-    return Finding("lockdown", State.OK, f"Lockdown: {locked}; ppdev works in spite of it.")
+    locked = patient.port.lockdown or phrase("not known to this kernel")
+    return Finding(
+        phrase("lockdown"),
+        State.OK,
+        phrase("Lockdown: {locked}; ppdev works in spite of it.", locked=locked),
+    )
 
 
 def _lockdown_of_ioport(patient: Patient) -> Finding:
     if patient.port.is_locked_down:
         return Finding(
-            "lockdown",
+            phrase("lockdown"),
             State.BAD,
-            f"The kernel is locked down ({patient.port.lockdown}): it refuses /dev/port.",
-            'Use port.kind = "ppdev", or switch secure boot off.',
+            phrase(
+                "The kernel is locked down ({lockdown}): it refuses /dev/port.",
+                lockdown=patient.port.lockdown,
+            ),
+            phrase('Use port.kind = "ppdev", or switch secure boot off.'),
         )
-    return Finding("lockdown", State.OK, "The kernel is not locked down.")
+    return Finding(phrase("lockdown"), State.OK, phrase("The kernel is not locked down."))
 
 
 def _better_way(patient: Patient) -> Finding:
     device = patient.port.device
     if device.present:
         return Finding(
-            "way",
+            phrase("way"),
             State.WARN,
-            f"{device.path} is there too; /dev/port does not see who else uses the port.",
-            'Use port.kind = "ppdev".',
+            phrase(
+                "{path} is there too; /dev/port does not see who else uses the port.",
+                path=device.path,
+            ),
+            phrase('Use port.kind = "ppdev".'),
         )
-    return Finding("way", State.OK, "There is no ppdev device that could be used instead.")
+    return Finding(
+        phrase("way"), State.OK, phrase("There is no ppdev device that could be used instead.")
+    )
 
 
 def _opened(patient: Patient) -> Finding:
     if patient.opening.error:
-        return Finding("claim", State.BAD, patient.opening.error)
+        return Finding(phrase("claim"), State.BAD, patient.opening.error)
     return Finding(
-        "claim",
+        phrase("claim"),
         State.OK,
-        "Opened for this program alone and given back, with motors and outputs off.",
+        phrase("Opened for this program alone and given back, with motors and outputs off."),
     )
 
 
 def _inputs(patient: Patient) -> Finding:
     lines = patient.opening.lines
     if lines is None:
-        return Finding("inputs", State.BAD, "The inputs could not be read.")
-    read = f"{_levels(lines.pins)}; status register {lines.register:#04x}"
+        return Finding(phrase("inputs"), State.BAD, phrase("The inputs could not be read."))
+    read = phrase(
+        "{levels}; status register {register:#04x}",
+        levels=_levels(lines.pins),
+        register=lines.register,
+    )
     switches = patient.config.switches
     bit = STATUS_PINS[switches.pin].bit
     if bool(lines.register & bit) == bool(switches.closed_reads):
         return Finding(
-            "inputs",
+            phrase("inputs"),
             State.WARN,
-            f"{read}. Pin {switches.pin} shows contact.",
-            "Let go of the end switches, or look at their plug and at switches.closed_reads: a"
-            " plug that is not in reads like contact, too.",
+            phrase("{read}. Pin {pin} shows contact.", read=read, pin=switches.pin),
+            phrase(
+                "Let go of the end switches, or look at their plug and at"
+                " switches.closed_reads: a plug that is not in reads like contact, too."
+            ),
         )
-    return Finding("inputs", State.OK, f"{read}. Pin {switches.pin}: no end switch is pressed.")
+    return Finding(
+        phrase("inputs"),
+        State.OK,
+        phrase("{read}. Pin {pin}: no end switch is pressed.", read=read, pin=switches.pin),
+    )
 
 
 def _outputs(patient: Patient) -> Finding:
     if not patient.opening.pins:
-        return Finding("outputs", State.WARN, "Nothing was written; what stands there is unknown.")
-    return Finding("outputs", State.OK, f"Left with motors off: {_levels(patient.opening.pins)}.")
+        return Finding(
+            phrase("outputs"),
+            State.WARN,
+            phrase("Nothing was written; what stands there is unknown."),
+        )
+    return Finding(
+        phrase("outputs"),
+        State.OK,
+        phrase("Left with motors off: {levels}.", levels=_levels(patient.opening.pins)),
+    )
 
 
 def _levels(pins: Iterable[tuple[int, bool]]) -> str:
@@ -162,11 +227,9 @@ def _levels(pins: Iterable[tuple[int, bool]]) -> str:
     found = {True: [], False: []}  # type: dict[bool, list[str]]
     for pin, high in pins:
         found[high].append(str(pin))
-    parts = [
-        f"{', '.join(found[high])} {word}" for high, word in ((True, "high"), (False, "low"))
-        if found[high]
-    ]  # fmt: skip
-    return f"pins {'; '.join(parts)}"
+    words = {True: phrase("high"), False: phrase("low")}
+    parts = [joined(" ", (", ".join(found[high]), words[high])) for high in words if found[high]]
+    return phrase("pins {parts}", parts=joined("; ", parts))
 
 
 PORT_CHECKS: Final[Mapping[str, Sequence[Check]]] = {

@@ -33,6 +33,7 @@ from fraese.motor.realtime.measure import (
 )
 from fraese.motor.realtime.setup import RealtimeOptions
 from fraese.motor.seams import Card
+from fraese.phrases import phrase
 
 #: Edges of the histogram, us: three to a decade.
 EDGES_US: Final[npt.NDArray[np.float64]] = np.array(
@@ -132,15 +133,23 @@ def take(duty: Duty, limit: float, seconds: float, cores: int, load: bool, say: 
     """
     runs = []
     for name, number in (("quiet", 0), *((("busy", cores),) if load else ())):
-        say(f"measuring {duty.rate_hz:g} ticks/s for {seconds:g} s, {_LOADS[name]} ...")
+        say(
+            phrase(
+                "measuring {rate_hz:g} ticks/s for {seconds:g} s, {loads} ...",
+                rate_hz=duty.rate_hz,
+                seconds=seconds,
+                loads=_LOADS[name],
+            )
+        )
         with hogs(number):
             runs.append(Conditions(name, number, measure(duty, seconds)))
-    say("looking for the highest rate that holds ...")
+    say(phrase("looking for the highest rate that holds ..."))
     rungs = ladder(duty, seconds * _RUNG_SHARE, rates_to_try(limit, duty.rate_hz))
     return Timing(duty, tuple(runs), tuple(rungs))
 
 
-_LOADS: Final = {"quiet": "nothing beside it", "busy": "all cores kept busy"}
+_NAMES: Final = {"quiet": phrase("quiet"), "busy": phrase("busy")}
+_LOADS: Final = {"quiet": phrase("nothing beside it"), "busy": phrase("all cores kept busy")}
 
 
 def judge(timing: Timing) -> list[Finding]:
@@ -152,72 +161,85 @@ def _lateness(run: Conditions) -> Finding:
     result = run.result
     p999_us, longest_us = result.percentiles_us()[2:]
     quarter_us = result.duty.interval_us / 4
-    found = (
-        f"At {result.duty.rate_hz:g} ticks/s 99.9 % are late by less than {p999_us:.1f} us"
-        f" (a quarter of the interval: {quarter_us:.1f} us), the longest by {longest_us:.0f} us;"
-        f" {result.late_edges()} of {len(result.late_us)} are later than the quarter."
+    found = phrase(
+        "At {rate_hz:g} ticks/s 99.9 % are late by less than {p999_us:.1f} us (a quarter"
+        " of the interval: {quarter_us:.1f} us), the longest by {longest_us:.0f} us;"
+        " {late_edges} of {count} are later than the quarter.",
+        rate_hz=result.duty.rate_hz,
+        p999_us=p999_us,
+        quarter_us=quarter_us,
+        longest_us=longest_us,
+        late_edges=result.late_edges(),
+        count=len(result.late_us),
     )
     if run.holds:
-        return Finding(f"timing, {run.name}", State.OK, found)
+        return Finding(phrase("timing, {load}", load=_NAMES[run.name]), State.OK, found)
     slow = "" if result.played_hz > 0.98 * result.duty.rate_hz else (
-        f" Only {result.played_hz:.0f} ticks/s were made."
+        phrase(" Only {played_hz:.0f} ticks/s were made.", played_hz=result.played_hz)
     )  # fmt: skip
     return Finding(
-        f"timing, {run.name}",
+        phrase("timing, {load}", load=_NAMES[run.name]),
         {"quiet": State.BAD, "busy": State.WARN}[run.name],
         found + slow,
         {
-            "quiet": "Lower axes.*.max_rate_hz to a rate that holds.",
-            "busy": "Run nothing else beside it, or lower axes.*.max_rate_hz.",
+            "quiet": phrase("Lower axes.*.max_rate_hz to a rate that holds."),
+            "busy": phrase("Run nothing else beside it, or lower axes.*.max_rate_hz."),
         }[run.name],
     )
 
 
 def _highest(timing: Timing) -> Finding:
-    name, wanted_hz = "highest rate", timing.duty.rate_hz
+    name, wanted_hz = phrase("highest rate"), timing.duty.rate_hz
     highest_hz = timing.highest_hz
     if not highest_hz:
         return Finding(
             name,
             State.BAD,
-            f"Not even {timing.rungs[0].rate_hz:g} ticks/s hold.",
-            "Do not drive steel from this machine.",
+            phrase("Not even {rate_hz:g} ticks/s hold.", rate_hz=timing.rungs[0].rate_hz),
+            phrase("Do not drive steel from this machine."),
         )
-    found = f"{highest_hz:g} ticks/s hold" + (
-        f", {timing.rungs[-1].rate_hz:g} do not."
+    found = phrase("{highest_hz:g} ticks/s hold", highest_hz=highest_hz) + (
+        phrase(", {rate_hz:g} do not.", rate_hz=timing.rungs[-1].rate_hz)
         if timing.ladder_ended
-        else "; more is not asked of this card."
+        else phrase("; more is not asked of this card.")
     )
     if highest_hz >= wanted_hz:
         return Finding(name, State.OK, found)
     return Finding(
         name,
         State.BAD,
-        f"{found} Configured: {wanted_hz:g}.",
-        f"axes.*.max_rate_hz = {highest_hz:g}, or less.",
+        phrase("{found} Configured: {wanted_hz:g}.", found=found, wanted_hz=wanted_hz),
+        phrase("axes.*.max_rate_hz = {highest_hz:g}, or less.", highest_hz=highest_hz),
     )
 
 
 def advice(timing: Timing, kernel: KernelFacts) -> list[str]:
     """What would make the steps more punctual, beyond what the checks say; a sentence each."""
     quiet = timing.runs[0].result
-    sentences = []
+    sentences: list[str] = []
     if quiet.percentiles_us()[3] > quiet.duty.interval_us and not kernel.isolated:
         core = kernel.cores[-1] if kernel.cores else 0
         sentences.append(
-            "The longest delay is longer than a step: keep everything else off one core with"
-            f" isolcpus={core} nohz_full={core} on the kernel's command line; the steps are made"
-            " there from then on."
+            phrase(
+                "The longest delay is longer than a step: keep everything else off one core"
+                " with isolcpus={core} nohz_full={core} on the kernel's command line; the"
+                " steps are made there from then on.",
+                core=core,
+            )
         )
     busy = [run for run in timing.runs if run.name == "busy" and not run.holds]
     if timing.runs[0].holds and busy:
         sentences.append(
-            "Other programs delay the steps: close them while the machine moves, or give the steps"
-            " the rights that are named above."
+            phrase(
+                "Other programs delay the steps: close them while the machine moves, or give"
+                " the steps the rights that are named above."
+            )
         )
     if not timing.runs[0].holds and timing.duty.card.fall:
         sentences.append(
-            "Where a fast rate is needed: the microcontroller of the bridge times the steps by"
-            " itself, and needs nothing of this."
+            phrase(
+                "Where a fast rate is needed: the microcontroller of the bridge times the"
+                " steps by itself, and needs nothing of this."
+            )
         )
     return sentences

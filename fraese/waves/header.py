@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import BinaryIO, Final, NamedTuple
 
 from fraese.errors import TraceError
+from fraese.phrases import phrase
 
 #: No header is as long.
 _MOST_BYTES: Final = 1 << 22
@@ -54,12 +55,19 @@ def read_header(file: BinaryIO, name: str) -> Header:
     head = file.read(_MOST_BYTES)
     found = _END.search(head)
     if not head.strip():
-        raise TraceError(f"{name}: the file is empty; a VCD file begins with $timescale and $var.")
+        raise TraceError(
+            phrase(
+                "{name}: the file is empty; a VCD file begins with $timescale and $var.", name=name
+            )
+        )
     # sigrok-cli may say something of its own in front of it.
     if (b"$var" not in head and b"$timescale" not in head) or found is None:
         raise TraceError(
-            f"{name}, line 1: this is no VCD file; it begins with a header that ends with"
-            " $enddefinitions $end."
+            phrase(
+                "{name}, line 1: this is no VCD file; it begins with a header that ends with"
+                " $enddefinitions $end.",
+                name=name,
+            )
         )
     return _Parts(head[: found.start()], name).header(found.end())
 
@@ -86,22 +94,29 @@ class _Parts:
             elif section[1] == b"var":
                 self._var(words, section.start())
         if not self._found:
-            raise TraceError(f"{self._name}: the header names no line ($var).")
+            raise TraceError(phrase("{name}: the header names no line ($var).", name=self._name))
         return Header(self._lines(), self._unit_s, body_at)
 
     def _timescale(self, words: list[str], at: int) -> float:
         found = _TIMESCALE.fullmatch("".join(words))
         if not found:
             raise TraceError(
-                f"{self._place(at)}: $timescale {' '.join(words)} is none; it is as in 1 ns."
+                phrase(
+                    "{place}: $timescale {words} is none; it is as in 1 ns.",
+                    place=self._place(at),
+                    words=" ".join(words),
+                )
             )
         return int(found[1]) * _UNITS_S[found[2]]
 
     def _var(self, words: list[str], at: int) -> None:
         if len(words) < _LEAST_WORDS or not words[1].isdigit():
             raise TraceError(
-                f"{self._place(at)}: $var {' '.join(words)} is none; it is as in"
-                " $var wire 1 ! clock $end."
+                phrase(
+                    "{place}: $var {words} is none; it is as in $var wire 1 ! clock $end.",
+                    place=self._place(at),
+                    words=" ".join(words),
+                )
             )
         kind, size, code, *name = words
         is_bit = size == "1" and kind not in _NUMERIC

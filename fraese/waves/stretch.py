@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fraese.errors import UsageError
+from fraese.phrases import phrase
 from fraese.waves.figures import NO_EDGES, Edges, LineFigures, QuantityFigures, SetUp
 from fraese.waves.header import Line
 from fraese.waves.vcdfile import Changes, Piece, VcdFile
@@ -158,9 +159,19 @@ def number_of(file: VcdFile, name: str) -> int:
         return found[0]
     if found:
         several = ", ".join(file.lines[number].name for number in found)
-        raise UsageError(f'"{name}" may be one of several lines: {several}; say more of its name.')
+        raise UsageError(
+            phrase(
+                '"{name}" may be one of several lines: {several}; say more of its name.',
+                name=name,
+                several=several,
+            )
+        )
     there = ", ".join(line.name for line in file.lines)
-    raise UsageError(f'{file.path} has no line "{name}"; there is {there}.')
+    raise UsageError(
+        phrase(
+            '{path} has no line "{name}"; there is {there}.', path=file.path, name=name, there=there
+        )
+    )
 
 
 def _named(file: VcdFile, pairs: Sequence[tuple[str, str]]) -> list[tuple[int, int]]:

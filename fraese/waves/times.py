@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from fraese.errors import UsageError
+from fraese.phrases import phrase
 
 UNITS_S: Final[Mapping[str, float]] = {
     "s": 1.0,
@@ -36,7 +37,13 @@ def seconds(text: str, option: str) -> float:
     found = _TIME.fullmatch(text.strip())
     unit = found[2].lower() if found else ""
     if not found or unit not in UNITS_S:
-        raise UsageError(f'{option} "{text}" is no time; it is a number with s, ms, us or ns.')
+        raise UsageError(
+            phrase(
+                '{option} "{text}" is no time; it is a number with s, ms, us or ns.',
+                option=option,
+                text=text,
+            )
+        )
     return float(found[1]) * UNITS_S[unit]
 
 

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fraese.errors import TraceError
+from fraese.phrases import phrase, reason
 from fraese.waves.header import Header, Line, read_header
 
 PIECE_BYTES: Final = 1 << 20
@@ -105,7 +106,9 @@ class VcdFile:
                 self._size = file.seek(0, 2)
                 self.begin, self.end = self._ends(file)
         except OSError as error:
-            raise TraceError(f"{path}: cannot be read: {error.strerror}.") from error
+            raise TraceError(
+                phrase("{path}: cannot be read: {reason}.", path=path, reason=reason(error))
+            ) from error
         self.lines: tuple[Line, ...] = self._header.lines
         self.unit_s = self._header.unit_s
         self._known = {
@@ -165,7 +168,11 @@ class VcdFile:
         """First and last moment of the body."""
         first = self._moment_after(file, self._header.body_at)
         if first is None:
-            raise TraceError(f"{self.path}: nothing was recorded: no moment (#...) stands in it.")
+            raise TraceError(
+                phrase(
+                    "{path}: nothing was recorded: no moment (#...) stands in it.", path=self.path
+                )
+            )
         back = _LOOK_BYTES
         while True:
             file.seek(max(self._header.body_at, self._size - back))
@@ -319,7 +326,9 @@ class VcdFile:
             value = float("nan") if word[0] in b"sS" else _number(word)
             if number is not None and value is not None:
                 return number, value
-        raise _BadWordError(_behind(words, ahead), "is no change of a line that the header names")
+        raise _BadWordError(
+            _behind(words, ahead), phrase("is no change of a line that the header names")
+        )
 
     def _told(self, file: BinaryIO, position: int, bad: _BadWordError) -> str:
         """A sentence about a bad word, with its line."""
@@ -328,11 +337,13 @@ class VcdFile:
         words = _WORD.finditer(text)
         found = next((word for number, word in enumerate(words) if number == bad.number), None)
         if found is None:
-            return f"{self.path}: a word in its body {bad}."
+            return phrase("{path}: a word in its body {bad}.", path=self.path, bad=bad)
         file.seek(0)
         line = file.read(position).count(b"\n") + text[: found.start()].count(b"\n") + 1
         shown = found[0][:40].decode("ascii", "replace")
-        return f'{self.path}, line {line}: "{shown}" {bad}.'
+        return phrase(
+            '{path}, line {line}: "{shown}" {bad}.', path=self.path, line=line, shown=shown, bad=bad
+        )
 
 
 def _behind(words: list[bytes], ahead: Iterator[bytes]) -> int:
@@ -342,8 +353,8 @@ def _behind(words: list[bytes], ahead: Iterator[bytes]) -> int:
 
 def _no_moment(later: int, now: int) -> str:
     if later < 0:
-        return "is no moment: a number follows #"
-    return f"is before #{now}: time cannot go back"
+        return phrase("is no moment: a number follows #")
+    return phrase("is before #{now}: time cannot go back", now=now)
 
 
 def _number(word: bytes) -> float | None:

@@ -18,6 +18,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final, Protocol
 
+from fraese.phrases import phrase
 from fraese.x4step.codes import (
     AXES,
     ESC_CODE,
@@ -141,8 +142,14 @@ class Bench:
         letter, rest = text[0], text[1:]
         command = COMMANDS.get(letter)
         if command is None or not re.fullmatch(command.rest, rest):
-            wanted = f"; it is {command.shape}" if command else ""
-            self._say(f"{line.strip()}: no such command{wanted}. H shows all.")
+            wanted = phrase("; it is {shape}", shape=command.shape) if command else ""
+            self._say(
+                phrase(
+                    "{line}: no such command{wanted}. H shows all.",
+                    line=line.strip(),
+                    wanted=wanted,
+                )
+            )
             return
         try:
             command.act(self, rest)
@@ -197,7 +204,7 @@ class Bench:
         axis = self._selected
         start = X4MovePos if rest == "+" else X4MoveNeg
         _require(start(self.axis, axis.freq_hz, axis.ramp_ms))
-        self._say("Moving; ESC ends it.")
+        self._say(phrase("Moving; ESC ends it."))
         X4ClearTimer()
         self._wait(only_esc_ends=True)
         self._tell_steps()
@@ -206,21 +213,27 @@ class Bench:
         """Ax,y,z; y is driven too if it is hit."""
         low, high, apart = map(int, rest.split(","))
         low, high = (_within("rate", rate, *FREQ_HZ) for rate in (low, high))
-        _within("distance between two rates", apart, 1, FREQ_HZ[1])
+        _within(phrase("distance between two rates"), apart, 1, FREQ_HZ[1])
         if low > high:
-            raise Refused(f"The first rate ({low} Hz) must not be above the last ({high} Hz).")
+            raise Refused(
+                phrase(
+                    "The first rate ({low} Hz) must not be above the last ({high} Hz).",
+                    low=low,
+                    high=high,
+                )
+            )
         for freq_hz in range(low, high + 1, apart):
-            self._say(f"{freq_hz} Hz")
+            self._say(phrase("{freq_hz} Hz", freq_hz=freq_hz))
             X4ClearTimer()
             ended = self._drive(self._way(1), freq_hz, self._selected.ramp_ms)
             if ended or self._console.escaped():
-                self._say("Ended by ESC.")
+                self._say(phrase("Ended by ESC."))
                 return
 
     def to_and_fro(self, _rest: str) -> None:
         """T."""
         axis, sign = self._selected, 1
-        self._say("To and fro; ESC ends it.")
+        self._say(phrase("To and fro; ESC ends it."))
         X4ClearTimer()
         while not (
             self._drive(self._way(sign), axis.freq_hz, axis.ramp_ms, only_esc_ends=True)
@@ -234,7 +247,7 @@ class Bench:
         axis = self._selected
         if not axis.freq_hz:
             _require(X4ErrFreqTooLow)
-        self._say("LEFT and RIGHT move; ESC ends it.")
+        self._say(phrase("LEFT and RIGHT move; ESC ends it."))
         starts = {_LEFT: X4MoveNeg, _RIGHT: X4MovePos}
         try:
             while (code := self._key()) != ESC_CODE:
@@ -250,14 +263,17 @@ class Bench:
 
     def inputs(self, _rest: str) -> None:
         """E."""
-        self._say("Inputs, 1 is high; ESC ends it.")
+        self._say(phrase("Inputs, 1 is high; ESC ends it."))
         shown = -1
         X4ClearTimer()
         while True:
             now = X4GetIn()
             if now != shown:
                 shown = now
-                levels = (f"pin {pin}: {now >> 4 - n & 1}" for n, pin in enumerate(INPUT_PINS))
+                levels = (
+                    phrase("pin {pin}: {now}", pin=pin, now=now >> 4 - n & 1)
+                    for n, pin in enumerate(INPUT_PINS)
+                )
                 self._say("  ".join(levels))
             if self._console.code() == ESC_CODE:
                 return
@@ -293,8 +309,8 @@ class Bench:
 
     def _tell_steps(self) -> None:
         steps = ", ".join(str(X4GetSteps(axis)) for axis in AXES)
-        ended = " Ended by ESC." if X4LastBrakeCode() == ESC_CODE else ""
-        self._say(f"Steps of axes 1 to 4: {steps}.{ended}")
+        ended = phrase(" Ended by ESC.") if X4LastBrakeCode() == ESC_CODE else ""
+        self._say(phrase("Steps of axes 1 to 4: {steps}.{ended}", steps=steps, ended=ended))
 
 
 @dataclass(frozen=True)
@@ -314,15 +330,17 @@ class Command:
 
 COMMANDS: Final[Mapping[str, Command]] = {
     "Q": Command("", "Q", Bench.quit),
-    "S": Command(_NS, "S and an axis, as in S2", Bench.select),
-    "D": Command("[+]?" + _NS, "D and a number of steps, as in D-1000", Bench.load_steps),
-    "F": Command(_NS, "F and a rate in Hz, as in F2000", Bench.load_freq),
-    "R": Command(_NS, "R and a time in ms, as in R50", Bench.load_ramp),
+    "S": Command(_NS, phrase("S and an axis, as in S2"), Bench.select),
+    "D": Command("[+]?" + _NS, phrase("D and a number of steps, as in D-1000"), Bench.load_steps),
+    "F": Command(_NS, phrase("F and a rate in Hz, as in F2000"), Bench.load_freq),
+    "R": Command(_NS, phrase("R and a time in ms, as in R50"), Bench.load_ramp),
     "G": Command("", "G", Bench.go),
     "I": Command("", "I", Bench.show),
-    "M": Command("[+-]", "M+ or M-", Bench.move),
+    "M": Command("[+-]", phrase("M+ or M-"), Bench.move),
     "C": Command("", "C", Bench.cursor),
-    "A": Command(f"{_NS},{_NS},{_NS}", "A and three numbers, as in A200,500,20", Bench.sweep),
+    "A": Command(
+        f"{_NS},{_NS},{_NS}", phrase("A and three numbers, as in A200,500,20"), Bench.sweep
+    ),
     "T": Command("", "T", Bench.to_and_fro),
     "E": Command("", "E", Bench.inputs),
     "H": Command("", "H", Bench.help),
@@ -332,7 +350,15 @@ COMMANDS: Final[Mapping[str, Command]] = {
 
 def _within(what: str, value: int, low: int, high: int) -> int:
     if not low <= value <= high:
-        raise Refused(f"The {what} is {low} to {high}, not {value}.")
+        raise Refused(
+            phrase(
+                "The {what} is {low} to {high}, not {value}.",
+                what=what,
+                low=low,
+                high=high,
+                value=value,
+            )
+        )
     return value
 
 

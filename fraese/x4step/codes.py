@@ -5,6 +5,7 @@ from enum import IntEnum
 from typing import Final
 
 from fraese.errors import StateError
+from fraese.phrases import phrase
 
 
 class X4Error(IntEnum):
@@ -69,20 +70,20 @@ MOST_CODES: Final = 20
 ESC_CODE: Final = 1
 
 _SENTENCES: Final[Mapping[X4Error, str]] = {
-    X4NoErr: "No error.",
-    X4ErrNoSteps: "At least one axis must have at least one step to make.",
-    X4ErrFreqTooHigh: f"The step rate is above {FREQ_HZ[1]} Hz.",
-    X4ErrFreqTooLow: f"The step rate is below {FREQ_HZ[0]} Hz.",
-    X4ErrRampTooHigh: f"The ramp is longer than {RAMP_MS[1]} ms.",
-    X4ErrRampFreq: "The ramp in ms is above the step rate in Hz.",
-    X4ErrLPTNotFound: "The parallel port is not there, or somebody else has it.",
-    X4ErrNotActive: "No axis moves.",
-    X4ErrParamFail: "A parameter is out of range.",
-    X4ErrInitNotDone: "X4Init was not called.",
-    X4ErrIsActive: "One or more axes move; wait until they stand.",
-    X4ErrNotLoaded: "No path is loaded.",
-    X4ErrIsLoaded: "A path is loaded already; start it first.",
-    X4ErrStepsTooHigh: f"A path has at most {MOST_STEPS} steps.",
+    X4NoErr: phrase("No error."),
+    X4ErrNoSteps: phrase("At least one axis must have at least one step to make."),
+    X4ErrFreqTooHigh: phrase("The step rate is above {freq_hz} Hz.", freq_hz=FREQ_HZ[1]),
+    X4ErrFreqTooLow: phrase("The step rate is below {freq_hz} Hz.", freq_hz=FREQ_HZ[0]),
+    X4ErrRampTooHigh: phrase("The ramp is longer than {ramp_ms} ms.", ramp_ms=RAMP_MS[1]),
+    X4ErrRampFreq: phrase("The ramp in ms is above the step rate in Hz."),
+    X4ErrLPTNotFound: phrase("The parallel port is not there, or somebody else has it."),
+    X4ErrNotActive: phrase("No axis moves."),
+    X4ErrParamFail: phrase("A parameter is out of range."),
+    X4ErrInitNotDone: phrase("X4Init was not called."),
+    X4ErrIsActive: phrase("One or more axes move; wait until they stand."),
+    X4ErrNotLoaded: phrase("No path is loaded."),
+    X4ErrIsLoaded: phrase("A path is loaded already; start it first."),
+    X4ErrStepsTooHigh: phrase("A path has at most {most_steps} steps.", most_steps=MOST_STEPS),
 }
 
 

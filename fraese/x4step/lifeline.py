@@ -15,6 +15,7 @@ import threading
 from types import FrameType
 from typing import Any, Final, Protocol
 
+from fraese.phrases import phrase
 from fraese.x4step.complaints import complain
 
 _SIGNALS: Final = tuple(
@@ -63,7 +64,7 @@ def close_all() -> None:
             machine.close()
         except Exception as error:
             # The others still have to be closed.
-            complain(f"Not everything could be switched off: {error}")
+            complain(phrase("Not everything could be switched off: {error}", error=error))
 
 
 def _take_signals() -> None:

@@ -37,6 +37,7 @@ from fraese.motor.ports.sim import SimulatedMill, Wiring
 from fraese.motor.rotor import RotorLimits
 from fraese.motor.seams import Clock, Port, StepDriver
 from fraese.motor.switches import NO_SWITCH
+from fraese.phrases import phrase
 from fraese.x4step.codes import AXES, FREQ_HZ
 from fraese.x4step.codes import PORTS as LPTS
 
@@ -140,7 +141,9 @@ def port_config(config: Config, lpt: int) -> LptConfig:
     table = tables[lpt]
     if table is None:
         there = ", ".join(f"LPT{number}" for number, found in tables.items() if found)
-        raise PortError(f"LPT{lpt} is not configured; there is {there}.")
+        raise PortError(
+            phrase("LPT{lpt} is not configured; there is {there}.", lpt=lpt, there=there)
+        )
     assert isinstance(table, LptConfig)
     return table
 
@@ -162,7 +165,9 @@ def set_pin(mill: SimulatedMill, pin: int, high: bool) -> None:
     """
     if pin not in STATUS_PINS:
         inputs = ", ".join(str(number) for number in sorted(STATUS_PINS))
-        raise ValueError(f"pin {pin} is no input; the inputs are {inputs}")
+        raise ValueError(
+            phrase("pin {pin} is no input; the inputs are {inputs}", pin=pin, inputs=inputs)
+        )
     bit, inverted = STATUS_PINS[pin]
     mill.inputs = mill.inputs | bit if high != inverted else mill.inputs & ~bit
 

@@ -22,6 +22,7 @@ from typing import Final, TypeVar
 from fraese.blocks import Block
 from fraese.errors import PortError
 from fraese.motor.seams import Clock
+from fraese.phrases import phrase
 from fraese.x4step.keys import KeyReader
 from fraese.x4step.motion import Motion
 
@@ -268,7 +269,9 @@ class ThreadedOwner(Owner):
     def _start(self, path: Iterator[Block]) -> None:
         if self._has_failed:
             raise PortError(
-                "Nobody looks after the motors any more, since that error; X4Init begins anew."
+                phrase(
+                    "Nobody looks after the motors any more, since that error; X4Init begins anew."
+                )
             )
         super()._start(path)
 
@@ -279,7 +282,9 @@ class ThreadedOwner(Owner):
                     self._turn()
             except Exception as error:
                 # Else the motors would run, or be said to run, for ever.
-                self._complain(f"Stopped by an error in the program itself: {error!r}.")
+                self._complain(
+                    phrase("Stopped by an error in the program itself: {error}.", error=repr(error))
+                )
                 self._has_failed = True
                 self.motion.give_up()
                 self._publish()

@@ -30,6 +30,7 @@ from fraese.errors import ConfigError
 from fraese.log import LogFile
 from fraese.motor.pins import STATUS_PINS
 from fraese.motor.seams import Clock
+from fraese.phrases import phrase
 from fraese.x4step.complaints import complain
 from fraese.x4step.keys import Keyboard, NoKeys, ToldKeys
 from fraese.x4step.lpt import Opened, Wanted, open_lpt, port_config
@@ -91,8 +92,12 @@ def wanted_keys(
     known = next((name for name in names if name == source), None)
     if known is None or (paths and known != "evdev"):
         raise ConfigError(
-            f'{where}: "{said}" is no source of keys; say auto, kitty, plain, evdev, or '
-            "evdev:/dev/input/event3."
+            phrase(
+                '{where}: "{said}" is no source of keys; say auto, kitty, plain, evdev, or'
+                " evdev:/dev/input/event3.",
+                where=where,
+                said=said,
+            )
         )
     if known == "auto" and environment.get("TERM") == "dumb":
         known = "plain"
@@ -105,8 +110,10 @@ def terminal_keyboard(wanted: WantedKeys) -> Keyboard:
     """The keyboard of a program that was started in a terminal; one for the whole program."""
     if not can_read_keys():
         complain(
-            "Keys cannot be read on this system, so neither ESC nor any other key brakes;"
-            " Ctrl-C ends the program."
+            phrase(
+                "Keys cannot be read on this system, so neither ESC nor any other key"
+                " brakes; Ctrl-C ends the program."
+            )
         )
     return Keyboard(program_keys(wanted))
 
@@ -135,13 +142,18 @@ def program_keys(wanted: WantedKeys) -> ToldKeys | NoKeys:
     found = keyboards(wanted.devices)
     if not found:
         complain(
-            f"No keyboard of {' or '.join(wanted.devices) or '/dev/input'} can be read, so keys "
-            "come from the terminal alone; members of the group input may read them."
+            phrase(
+                "No keyboard of {devices} can be read, so keys come from the terminal alone;"
+                " members of the group input may read them.",
+                devices=" or ".join(wanted.devices) or phrase("/dev/input"),
+            )
         )
         return program
     said = ", ".join(str(path) for path, _ in found)
     return EvdevKeys(
-        [device for _, device in found], program, f"{said}, heard in every window (evdev)"
+        [device for _, device in found],
+        program,
+        phrase("{said}, heard in every window (evdev)", said=said),
     )
 
 
@@ -237,7 +249,13 @@ def clock_named(name: str) -> ClockName:
     names: tuple[ClockName, ...] = get_args(ClockName)
     found = next((clock for clock in names if clock == name), None)
     if found is None:
-        raise ConfigError(f'{CLOCK_VARIABLE}: "{name}" is no clock; say paced or virtual.')
+        raise ConfigError(
+            phrase(
+                '{clock_variable}: "{name}" is no clock; say paced or virtual.',
+                clock_variable=CLOCK_VARIABLE,
+                name=name,
+            )
+        )
     return found
 
 
@@ -252,7 +270,11 @@ def pin_levels(text: str) -> dict[int, bool]:
         pin, _, level = word.partition("=")
         if pin not in map(str, STATUS_PINS) or level.lower() not in _LEVELS:
             raise ConfigError(
-                f'{PINS_VARIABLE}: "{word}" is no input with its level, as in 15=low,10=high.'
+                phrase(
+                    '{pins_variable}: "{word}" is no input with its level, as in 15=low,10=high.',
+                    pins_variable=PINS_VARIABLE,
+                    word=word,
+                )
             )
         levels[int(pin)] = _LEVELS[level.lower()]
     return levels

@@ -24,6 +24,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, Final, TextIO
 
+from fraese.phrases import phrase
 from fraese.x4step import lifeline
 from fraese.x4step.decoder import Decoder, Held, Key, Stroke
 from fraese.x4step.keys import NoKeys
@@ -78,8 +79,8 @@ class TerminalKeys:
     def said(self) -> str:
         """What keys come from, for a person."""
         if self._kitty.is_known:
-            return "the terminal, which tells releases (kitty keyboard protocol)"
-        return "the terminal, which does not tell releases"
+            return phrase("the terminal, which tells releases (kitty keyboard protocol)")
+        return phrase("the terminal, which does not tell releases")
 
     def begin(self) -> None:
         """Axes will move: take the keyboard away from the program."""
