@@ -200,6 +200,16 @@ def shown(text: str) -> str:
     return _catalogue.get(text, text)
 
 
+def spoken(template: str, /, **parameters: object) -> str:
+    """A phrase as its reader wants it, at once: for what draws on the screen.
+
+    Args:
+        template: as of ``phrase``.
+        parameters: as of ``phrase``.
+    """
+    return shown(phrase(template, **parameters))
+
+
 def wanted_language(environment: Mapping[str, str], configured: str | None = None) -> str:
     """Which language somebody wants.
 

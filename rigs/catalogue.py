@@ -10,14 +10,18 @@ text, so that work on different files can be brought together.
 
 import ast
 import errno
+import importlib
 import os
+import pkgutil
 import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from fraese.phrases import ENGLISH, LANGUAGES, catalogue_path, parsed
+from fraese.ui import keyrows
+from fraese.ui.keyrows import Row
 
 HOUSE: Final = Path(__file__).parents[1] / "fraese"
 #: What the system says when a file cannot be had.
@@ -51,21 +55,41 @@ msgstr ""
 def sentences() -> dict[str, str]:
     """Every template, and the first file that it stands in."""
     found: dict[str, str] = {}
-    for path in sorted(HOUSE.rglob("*.py")):
+    for path in sorted({*HOUSE.rglob("*.py")} - {HOUSE / "phrases.py"}):
         for template in literals(ast.parse(path.read_text("utf-8"))):
             found.setdefault(template, path.relative_to(HOUSE).as_posix())
+    for words, file in _rows():
+        found.setdefault(words, file)
     for number in _REASONS:
         found.setdefault(os.strerror(number), "")
     return found
 
 
+def _rows() -> Iterator[tuple[str, str]]:
+    """What the tables of the app's keys say, and their files."""
+    for module in pkgutil.iter_modules(keyrows.__path__, f"{keyrows.__name__}."):
+        values = vars(importlib.import_module(module.name)).values()
+        for row in filter(lambda each: isinstance(each, Row), _each(tuple(values))):
+            texts = (row.title, row.help, row.group, row.footer, row.hint)
+            for text in filter(None, texts):
+                yield text, module.name.removeprefix("fraese.").replace(".", "/") + ".py"
+
+
+def _each(value: object) -> Iterator[Any]:
+    if isinstance(value, tuple | dict):
+        for inner in value.values() if isinstance(value, dict) else value:
+            yield from _each(inner)
+    else:
+        yield value
+
+
 def literals(tree: ast.AST) -> Iterator[str]:
-    """What stands in ``phrase(...)``, and in descriptions of keys."""
+    """What stands in ``phrase(...)`` or ``spoken(...)``, and in descriptions of keys."""
     for node in ast.walk(tree):
         if not isinstance(node, ast.Call):
             continue
         name = node.func.id if isinstance(node.func, ast.Name) else ""
-        if name == "phrase":
+        if name in ("phrase", "spoken"):
             yield _text(node.args[0])
         elif name == "Field":
             yield from (_text(each.value) for each in node.keywords if each.arg == "description")

@@ -27,6 +27,7 @@ from textual.screen import ModalScreen
 from fraese.control.benchfacts import Bench
 from fraese.control.controller import Controller
 from fraese.control.state import MachineState, Status
+from fraese.phrases import shown, spoken
 from fraese.plaintext import plain
 from fraese.signalwatch import watched
 from fraese.ui.bindings import bind
@@ -248,13 +249,13 @@ class FraeseApp(ViewedApp):
         There is one at a time: more are not read, and hide the machine. All are in the log. A key
         that is held and refused would fill the memory with one sentence.
         """
-        now_s, said = time.monotonic(), plain(message)
+        now_s, said = time.monotonic(), plain(shown(message))
         if said == self._toast and now_s < self._toast_until_s:
             return
         self.clear_notifications()
         self._toast = said
         self._toast_until_s = now_s + (options.get("timeout") or self.NOTIFICATION_TIMEOUT)
-        super().notify(said, title=plain(title), **options)
+        super().notify(said, title=plain(shown(title)), **options)
 
     async def on_event(self, event: events.Event) -> None:
         """Let the repeat rule see every key before anything happens.
@@ -286,7 +287,9 @@ class FraeseApp(ViewedApp):
             if not (self._heard.moving and self.link.question):
                 self.link.brake()
         if self._programs.give_up():
-            self.view.say("Given up: the program is not looked through, and nothing was started.")
+            self.view.say(
+                spoken("Given up: the program is not looked through, and nothing was started.")
+            )
         elif not moving and not self._closed_by_stop():
             raise SkipAction
         if moving:
@@ -364,9 +367,11 @@ class FraeseApp(ViewedApp):
     def on_alarmed(self, message: Alarmed) -> None:
         """The job ended with an error."""
         self.bell()
-        title = f"Alarm {message.number}" if message.number else "Error"
+        title = (
+            spoken("Alarm {number}", number=message.number) if message.number else spoken("Error")
+        )
         self._events.add(message.sentence, Kind.ALARM, message.number, message.advice)
-        said = f"{message.sentence}\n{message.advice}".rstrip()
+        said = f"{shown(message.sentence)}\n{shown(message.advice)}".rstrip()
         self.notify(said, title=title, severity="error", timeout=10, markup=False)
 
     def on_refused(self, message: Refused) -> None:

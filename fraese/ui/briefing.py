@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fraese.control.state import MachineState, three_decimals
+from fraese.phrases import shown, spoken
 from fraese.ui.programs import Facts
 from fraese.ui.shape import AxisShape, Shape
 from fraese.ui.widgets.status import clock_words, switch_words
@@ -41,8 +42,8 @@ class Problem:
     @property
     def words(self) -> str:
         """With its sign and place."""
-        place = f"line {self.line}: " if self.line else ""
-        return f"{'✗' if self.stops else '!'} {place}{self.text}"
+        place = spoken("line {line}: ", line=self.line) if self.line else ""
+        return f"{'✗' if self.stops else '!'} {place}{shown(self.text)}"
 
 
 def lines(facts: Facts, state: MachineState, shape: Shape) -> list[Line]:
@@ -55,13 +56,13 @@ def lines(facts: Facts, state: MachineState, shape: Shape) -> list[Line]:
     """
     return [
         *_bounds(facts, state, shape),
-        Line("time", _time(facts, state)),
-        Line("tools", _tools(facts, state)),
-        Line("spindle", _spindle(facts)),
-        Line("stops", _stops(facts, state)),
+        Line(spoken("time"), _time(facts, state)),
+        Line(spoken("tools"), _tools(facts, state)),
+        Line(spoken("spindle"), _spindle(facts)),
+        Line(spoken("stops"), _stops(facts, state)),
         _referenced(state),
-        Line("switches", _switches(state), "-alarm" if state.switch_closed else ""),
-        Line("zero", f"{state.work.system}{state.work.more()}"),
+        Line(spoken("switches"), _switches(state), "-alarm" if state.switch_closed else ""),
+        Line(spoken("zero"), f"{state.work.system}{shown(state.work.more())}"),
     ]
 
 
@@ -76,25 +77,35 @@ def problems(facts: Facts, state: MachineState, news: str = "") -> list[Problem]
     found = [Problem(each.line, each.message, True) for each in (*facts.errors, *facts.outside)]
     found += [Problem(each.line, each.message, False) for each in facts.notes]
     if not facts.errors and facts.low_mm is None:
-        found.append(Problem(0, "Nothing moves in this program.", False))
+        found.append(Problem(0, spoken("Nothing moves in this program."), False))
     lacking = [
         name.upper() for name, known in zip(state.axes, state.referenced, strict=True) if not known
     ]
     if lacking:
         axes = ", ".join(lacking)
         found.append(
-            Problem(0, f"{axes} not referenced: nothing knows where the travel ends.", False)
+            Problem(
+                0,
+                spoken("{axes} not referenced: nothing knows where the travel ends.", axes=axes),
+                False,
+            )
         )
     if state.switch_ignored:
-        found.append(Problem(0, "The end switches are ignored: nothing stops at them.", False))
+        found.append(
+            Problem(0, spoken("The end switches are ignored: nothing stops at them."), False)
+        )
     if news:
-        found.append(Problem(0, f"{news} What runs is what it held when it was opened.", False))
+        found.append(
+            Problem(
+                0, spoken("{news} What runs is what it held when it was opened.", news=news), False
+            )
+        )
     return found
 
 
 def _bounds(facts: Facts, state: MachineState, shape: Shape) -> list[Line]:
     if facts.low_mm is None or facts.high_mm is None:
-        return [Line("bounds", "nothing moves")]
+        return [Line(spoken("bounds"), spoken("nothing moves"))]
     return [
         _axis(axis, facts.low_mm[i], facts.high_mm[i], state, i)
         for i, axis in enumerate(shape.axes)
@@ -104,52 +115,72 @@ def _bounds(facts: Facts, state: MachineState, shape: Shape) -> list[Line]:
 def _axis(axis: AxisShape, low: float, high: float, state: MachineState, index: int) -> Line:
     reach = f"{three_decimals(low)} … {three_decimals(high)}"
     if not state.referenced[index]:
-        return Line(axis.letter, f"{reach} from here on; travel not known", "-warn")
+        return Line(
+            axis.letter, spoken("{reach} from here on; travel not known", reach=reach), "-warn"
+        )
     first, last = state.low_mm[index], state.high_mm[index]
-    travel = f"{reach} in {first:g} … {last:g}"
+    travel = spoken("{reach} in {first:g} … {last:g}", reach=reach, first=first, last=last)
     slack = 1e-6
     if low < first - slack or high > last + slack:
-        return Line(axis.letter, f"{travel}: OUTSIDE", "-alarm")
+        return Line(axis.letter, spoken("{travel}: OUTSIDE", travel=travel), "-alarm")
     return Line(axis.letter, f"{travel} {axis.unit}", "-good")
 
 
 def _time(facts: Facts, state: MachineState) -> str:
     if facts.errors or facts.outside:
-        return "not known"
+        return spoken("not known")
     words = clock_words(facts.duration_s)
     if state.override != 1 or state.rapid_override != 1:
-        words += f" at 100 % (feed {state.override:.0%}, rapids {state.rapid_override:.0%} now)"
+        words += spoken(
+            " at 100 % (feed {override:.0%}, rapids {rapid_override:.0%} now)",
+            override=state.override,
+            rapid_override=state.rapid_override,
+        )
     return words
 
 
 def _tools(facts: Facts, state: MachineState) -> str:
     tools = facts.wants.tools
-    now = f"T{state.work.tool} in the spindle" if state.work.tool else "none known in the spindle"
+    now = (
+        spoken("T{tool} in the spindle", tool=state.work.tool)
+        if state.work.tool
+        else spoken("none known in the spindle")
+    )
     return (
-        f"{' '.join(f'T{number}' for number in tools)} ({now})" if tools else f"no change ({now})"
+        f"{' '.join(f'T{number}' for number in tools)} ({now})"
+        if tools
+        else spoken("no change ({now})", now=now)
     )
 
 
 def _spindle(facts: Facts) -> str:
     speeds = facts.wants.spindle_rev_min
     if speeds is None:
-        return "never switched on"
+        return spoken("never switched on")
     low, high = speeds
-    return f"{low:g} rev/min" if low == high else f"{low:g} to {high:g} rev/min"
+    return (
+        spoken("{low:g} rev/min", low=low)
+        if low == high
+        else spoken("{low:g} to {high:g} rev/min", low=low, high=high)
+    )
 
 
 def _stops(facts: Facts, state: MachineState) -> str:
     wants = facts.wants
-    said = [f"{wants.stops} for you"] if wants.stops else []
+    said = [spoken("{stops} for you", stops=wants.stops)] if wants.stops else []
     if wants.optional_stops:
         said.append(
-            f"{wants.optional_stops} at M1 ({'stops' if state.optional_stop else 'passed'})"
+            spoken(
+                "{optional_stops} at M1 ({word})",
+                optional_stops=wants.optional_stops,
+                word=spoken("stops") if state.optional_stop else spoken("passed"),
+            )
         )
     if wants.probes:
-        said.append(f"probes {wants.probes} times")
+        said.append(spoken("probes {probes} times", probes=wants.probes))
     if state.single_block:
-        said.append("single block")
-    return ", ".join(said) or "none"
+        said.append(spoken("single block"))
+    return ", ".join(said) or spoken("none")
 
 
 def _referenced(state: MachineState) -> Line:
@@ -157,13 +188,17 @@ def _referenced(state: MachineState) -> Line:
         name.upper() for name, known in zip(state.axes, state.referenced, strict=True) if not known
     ]
     if missing:
-        return Line("referenced", f"NOT {' '.join(missing)}: no limits, slower", "-warn")
-    return Line("referenced", "all axes", "-good")
+        return Line(
+            spoken("referenced"),
+            spoken("NOT {missing}: no limits, slower", missing=" ".join(missing)),
+            "-warn",
+        )
+    return Line(spoken("referenced"), spoken("all axes"), "-good")
 
 
 def _switches(state: MachineState) -> str:
     said = switch_words(state)
-    return f"{said}, IGNORED" if state.switch_ignored else said
+    return spoken("{said}, IGNORED", said=said) if state.switch_ignored else said
 
 
 def may_start(found: Sequence[Problem]) -> bool:

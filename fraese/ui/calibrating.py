@@ -16,6 +16,7 @@ from fraese.control.calibration.stepsize import StepSizeTest
 from fraese.control.calibration.sweep import Stage, Wish
 from fraese.control.calibration.travel import TravelTest
 from fraese.control.controller import Controller
+from fraese.phrases import spoken
 
 Test = BacklashTest | FrequencyTest | RepeatTest | StepSizeTest | TravelTest
 
@@ -57,55 +58,72 @@ ROUTINES: Final = {
     for each in (
         Routine(
             "reference",
-            "Reference run",
-            "Each axis runs to its end switch, backs off, and comes back slowly: that contact"
-            " counts. Machine zero is at the pull-off distance from it. An axis without switches is"
-            " referenced where it stands.",
+            spoken("Reference run"),
+            spoken(
+                "Each axis runs to its end switch, backs off, and comes back slowly: that"
+                " contact counts. Machine zero is at the pull-off distance from it. An axis"
+                " without switches is referenced where it stands."
+            ),
         ),
         Routine(
             "travel",
-            "Measure travel",
-            "{axis} is referenced at {home}, then runs to the other end switch and back to machine"
-            " zero. The way from contact to contact is its travel.",
+            spoken("Measure travel"),
+            spoken(
+                "{{axis}} is referenced at {{home}}, then runs to the other end switch and"
+                " back to machine zero. The way from contact to contact is its travel."
+            ),
             by_switch=True,
         ),
         Routine(
             "steps",
-            "Steps per mm",
-            "{axis} runs in by a little, so that no backlash is in the way, and waits for you to"
-            " mark where it stands. Then it makes the way. Measure how far it really went.",
+            spoken("Steps per mm"),
+            spoken(
+                "{{axis}} runs in by a little, so that no backlash is in the way, and waits"
+                " for you to mark where it stands. Then it makes the way. Measure how far it"
+                " really went."
+            ),
         ),
         Routine(
             "backlash",
-            "Backlash by switch",
-            "{axis} creeps into {home} until it closes and out again until it opens. What the motor"
-            " turns in vain is the backlash; what the switch itself needs is in it.",
+            spoken("Backlash by switch"),
+            spoken(
+                "{{axis}} creeps into {{home}} until it closes and out again until it opens."
+                " What the motor turns in vain is the backlash; what the switch itself needs"
+                " is in it."
+            ),
             by_switch=True,
         ),
         Routine(
             "gauge",
-            "Backlash by dial gauge",
-            "{axis} moves forward and waits for you to set a dial gauge to zero. Then it moves"
-            " forward and the same way back. What the gauge shows is the backlash.",
+            spoken("Backlash by dial gauge"),
+            spoken(
+                "{{axis}} moves forward and waits for you to set a dial gauge to zero. Then"
+                " it moves forward and the same way back. What the gauge shows is the"
+                " backlash."
+            ),
         ),
         Routine(
             "repeat",
-            "Repeat a switch",
-            "{axis} approaches its end switch again and again, as a reference run does. How far the"
-            " contacts lie apart says how well it repeats.",
+            spoken("Repeat a switch"),
+            spoken(
+                "{{axis}} approaches its end switch again and again, as a reference run"
+                " does. How far the contacts lie apart says how well it repeats."
+            ),
             by_switch=True,
         ),
         Routine(
             "frequency",
-            "Frequency test",
-            "The motor of {axis} is driven at one rate after the other, until it stalls: take the"
-            " tool out. {axis} is not referenced any more then, unless its switch tells of lost"
-            " steps.",
+            spoken("Frequency test"),
+            spoken(
+                "The motor of {{axis}} is driven at one rate after the other, until it"
+                " stalls: take the tool out. {{axis}} is not referenced any more then,"
+                " unless its switch tells of lost steps."
+            ),
         ),
         Routine(
             "switches",
-            "Switch test",
-            "You press each end switch by hand, and see that it arrives. Nothing moves.",
+            spoken("Switch test"),
+            spoken("You press each end switch by hand, and see that it arrives. Nothing moves."),
         ),
     )
 }

@@ -6,6 +6,8 @@ from datetime import datetime
 from enum import Enum
 from typing import Final
 
+from fraese.phrases import shown, spoken
+
 #: Older ones are forgotten: an app that stands for weeks must not fill the memory.
 MOST_EVENTS: Final = 2000
 
@@ -41,8 +43,8 @@ class Event:
     @property
     def title(self) -> str:
         """The text, with the number of an alarm before it and how often behind it."""
-        number = f"Alarm {self.number}: " if self.number else ""
-        return number + self.text + (f"  ×{self.times}" if self.times > 1 else "")
+        number = spoken("Alarm {number}: ", number=self.number) if self.number else ""
+        return number + shown(self.text) + (f"  ×{self.times}" if self.times > 1 else "")
 
 
 class EventLog:

@@ -5,6 +5,7 @@ from typing import Protocol
 
 from fraese.control.controller import Controller
 from fraese.errors import StateError
+from fraese.phrases import spoken
 
 
 class HandTools(Protocol):
@@ -28,11 +29,11 @@ class NoTools:
 
     def typed(self, controller: Controller, text: str) -> None:
         """Refused."""
-        raise StateError("This app was started without the language: no line can be typed.")
+        raise StateError(spoken("This app was started without the language: no line can be typed."))
 
     def probe(self, controller: Controller, name: str, values: Mapping[str, float]) -> None:
         """Refused."""
-        raise StateError("This app was started without the language: it cannot probe.")
+        raise StateError(spoken("This app was started without the language: it cannot probe."))
 
     def cycles(self, axes: Sequence[str]) -> tuple[str, ...]:
         """None."""

@@ -19,6 +19,7 @@ from fraese.control.controller import Controller
 from fraese.control.heldjog import HeldJog
 from fraese.control.state import OVERRIDES, RAPID_OVERRIDES, MachineState, Status, three_decimals
 from fraese.control.worker import Command, Worker
+from fraese.phrases import spoken
 from fraese.ui.feed import StateFeed
 from fraese.ui.jogging import Jogger
 from fraese.ui.messages import Alarmed, Noted, Refused, StateChanged
@@ -27,13 +28,13 @@ from fraese.ui.shape import shape_of
 #: What is said when a switch of a run is off, and on.
 _SAID_OF_SWITCHES: Final = {
     "single_block": (
-        "Single block is off: the program runs on.",
-        "Single block is on: the program waits after every line that moves.",
+        spoken("Single block is off: the program runs on."),
+        spoken("Single block is on: the program waits after every line that moves."),
     ),
-    "optional_stop": ("M1 is passed.", "M1 stops."),
+    "optional_stop": (spoken("M1 is passed."), spoken("M1 stops.")),
     "block_delete": (
-        "Lines that begin with a slash are run, from the next start on.",
-        "Lines that begin with a slash are left out, from the next start on.",
+        spoken("Lines that begin with a slash are run, from the next start on."),
+        spoken("Lines that begin with a slash are left out, from the next start on."),
     ),
 }
 
@@ -192,7 +193,15 @@ class MachineLink:
         self._controller.switch_log(not self._controller.state().log_on)
         self.offer()
         log = self._controller.log
-        return f"The log is {'on' if log.is_on else 'off'}: {log.path}" if log is not None else ""
+        return (
+            spoken(
+                "The log is {word}: {path}",
+                word=spoken("on") if log.is_on else spoken("off"),
+                path=log.path,
+            )
+            if log is not None
+            else ""
+        )
 
     # --- in line ---------------------------------------------------------------------------------
 
@@ -245,7 +254,13 @@ class MachineLink:
             self._controller.set_zero(axes)
             was = self._position_words(before, axes)
             self._post(
-                Noted(f"Work zero set here; this point was {was} before; {undo_key} undoes it.")
+                Noted(
+                    spoken(
+                        "Work zero set here; this point was {was} before; {undo_key} undoes it.",
+                        was=was,
+                        undo_key=undo_key,
+                    )
+                )
             )
 
         return self.order(zero)
@@ -255,7 +270,7 @@ class MachineLink:
 
         def undo() -> None:
             self._controller.undo_zero()
-            self._post(Noted("The work zero is where it was before."))
+            self._post(Noted(spoken("The work zero is where it was before.")))
 
         return self.order(undo)
 
@@ -286,7 +301,7 @@ class MachineLink:
 
         def take() -> None:
             take_as_left(self._controller)
-            self._post(Noted("The position is as it was left."))
+            self._post(Noted(spoken("The position is as it was left.")))
 
         return self.order(take)
 

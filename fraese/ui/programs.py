@@ -7,6 +7,7 @@ from typing import Any, Protocol
 
 from fraese.control.controller import Controller
 from fraese.errors import FraeseError, ProgramError, StateError
+from fraese.phrases import spoken
 
 
 class Complaint(Protocol):
@@ -264,13 +265,19 @@ Resume = Callable[[Controller], Resumption]
 
 def nothing_is_kept(_controller: Controller) -> Resumption:
     """Of an app that keeps no programs."""
-    raise StateError("No copies of programs are kept here: there is nothing to go on with.")
+    raise StateError(spoken("No copies of programs are kept here: there is nothing to go on with."))
 
 
 def in_words(facts: Facts) -> str:
     """Length and duration of a program."""
     minutes, seconds = divmod(round(facts.duration_s), 60)
-    return f"{facts.blocks} blocks, {facts.length_mm:.1f} mm, {minutes}:{seconds:02d} min"
+    return spoken(
+        "{blocks} blocks, {length_mm:.1f} mm, {minutes}:{seconds:02d} min",
+        blocks=facts.blocks,
+        length_mm=facts.length_mm,
+        minutes=minutes,
+        seconds=seconds,
+    )
 
 
 class Look:
@@ -372,7 +379,7 @@ class ProgramDesk:
         except FraeseError:
             raise
         except Exception as error:  # a reader's mistake must not end the control of a machine
-            sentence = f"the reader failed, {error!r}; nothing is loaded."
+            sentence = spoken("the reader failed, {error}; nothing is loaded.", error=repr(error))
             raise ProgramError(sentence, file=str(path)) from error
 
     def put(self, path: Path, program: Program) -> None:

@@ -6,6 +6,7 @@ from typing import Final
 from textual.app import App
 
 from fraese.control.state import MachineState, Status
+from fraese.phrases import spoken
 from fraese.ui.dialogs.ask import AskDialog, Reply
 from fraese.ui.keyrows import KeyTable
 from fraese.ui.machinelink import MachineLink
@@ -60,7 +61,11 @@ class Questions:
             if reply is Reply.LIFT:
                 self._link.lift()
             self._say(
-                f"{question} Meanwhile move by hand; {self._keys.said('acknowledge')} goes on."
+                spoken(
+                    "{question} Meanwhile move by hand; {said} goes on.",
+                    question=question,
+                    said=self._keys.said("acknowledge"),
+                )
             )
             return
         self._answer_is_new = True

@@ -7,6 +7,7 @@ from typing import Any
 from textual.app import App, SystemCommand
 from textual.screen import Screen
 
+from fraese.phrases import spoken
 from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.views.view import Desk, View
 
@@ -46,7 +47,7 @@ class ViewedApp(App[None]):
         for command in self._keys.commands:
             yield SystemCommand(
                 command.title,
-                f"Key {command.all_shown}. {command.help}",
+                spoken("Key {all_shown}. {help}", all_shown=command.all_shown, help=command.help),
                 self._from_palette(command.action, command.area),
             )
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
+from fraese.phrases import spoken
 from fraese.ui.shape import Shape
 
 #: From this press on the jog by single steps goes ten-fold.
@@ -72,6 +73,6 @@ def widths(shape: Shape) -> tuple[Width, ...]:
     units = ",".join(shape.units)
     gap = " " if units.startswith("mm") else ""
     return (
-        Width(None, f"1 {shape.step_word}"),
+        Width(None, spoken("1 {step_word}", step_word=shape.step_word)),
         *(Width(mm, f"{mm:g}{gap}{units}") for mm in (0.01, 0.1, 1.0, 10.0)),
     )

@@ -26,6 +26,7 @@ from fraese.phrases import phrase
 
 #: How often it is measured by a switch.
 TIMES: Final = (1, 100)
+_BY: Final = {"switch": phrase("switch"), "gauge": phrase("gauge")}
 _THOUSANDTH: Final = Decimal("0.001")
 #: More than this is broken.
 _MOST_MM: Final = 5.0
@@ -210,13 +211,12 @@ class BacklashTest:
         mean = Decimal(str(found.figures.mean)).quantize(_THOUSANDTH).normalize()
         times = len(found.figures.readings)
         why = phrase(
-            "{axis}: {with_unit} by {by}, {times} {word}, spread {with_unit_2};"
+            "{axis}: {with_unit} by {by}, {often}, spread {with_unit_2};"
             " configured are {with_unit_3}.",
             axis=found.axis.upper(),
             with_unit=axis.with_unit(f"{found.figures.mean:.4f}"),
-            by=found.by,
-            times=times,
-            word=phrase("time") if times == 1 else phrase("times"),
+            by=_BY[found.by],
+            often=phrase("1 time") if times == 1 else phrase("{times} times", times=times),
             with_unit_2=axis.with_unit(f"{found.figures.spread:.4f}"),
             with_unit_3=axis.with_unit(found.configured_mm),
         )

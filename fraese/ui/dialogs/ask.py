@@ -7,6 +7,7 @@ from textual.app import ComposeResult
 from textual.widgets import Button
 
 from fraese.control.state import MachineState
+from fraese.phrases import spoken
 from fraese.ui.dialogs.dialog import Dialog
 from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.widgets.fact import Fact
@@ -31,9 +32,9 @@ class AskDialog(Dialog[Reply]):
     """
 
     AREA = Area.ASK
-    HEADING = "The job waits"
-    YES = "Go on"
-    BACK = "Stop the job"
+    HEADING = spoken("The job waits")
+    YES = spoken("Go on")
+    BACK = spoken("Stop the job")
 
     def __init__(self, keys: KeyTable, question: str, *, lifts: bool = True) -> None:
         super().__init__(keys)
@@ -46,9 +47,9 @@ class AskDialog(Dialog[Reply]):
 
     def also(self) -> ComposeResult:
         """The machine is free meanwhile."""
-        yield Button("Move by hand", id=Reply.BY_HAND.value, compact=True)
+        yield Button(spoken("Move by hand"), id=Reply.BY_HAND.value, compact=True)
         if self._lifts:
-            yield Button("Lift the tool", id=Reply.LIFT.value, compact=True)
+            yield Button(spoken("Lift the tool"), id=Reply.LIFT.value, compact=True)
 
     def hints(self) -> str:
         """The line of keys."""

@@ -10,6 +10,7 @@ from fraese.axiswords import axis_words, target
 from fraese.control.controller import Controller
 from fraese.control.workcommands import select_system, store_system, systems
 from fraese.errors import UsageError
+from fraese.phrases import spoken
 from fraese.ui.dialogs.line import Command, LineDialog
 from fraese.ui.handtools import HandTools
 from fraese.ui.keyrows import Area, KeyTable
@@ -25,20 +26,20 @@ class TypedDialog(LineDialog):
     """G-code, or a place to go to; it stays open, and goes back to what was typed before."""
 
     AREA = Area.TYPED
-    HEADING = "Type a line: G-code, or a place in work coordinates"
-    YES = "Do it"
+    HEADING = spoken("Type a line: G-code, or a place in work coordinates")
+    YES = spoken("Do it")
 
     def __init__(
         self, keys: KeyTable, link: MachineLink, tools: HandTools, history: LineHistory
     ) -> None:
-        super().__init__(keys, link, example="X10 Y5   or   G1 X10 F300   or   G55")
+        super().__init__(keys, link, example=spoken("X10 Y5   or   G1 X10 F300   or   G55"))
         self._tools = tools
         self._history = history
 
     def command(self, line: str) -> Command:
         """A place, or a line of the language."""
         if not line:
-            raise UsageError("Type a place such as X10 Y5, or a line of G-code.")
+            raise UsageError(spoken("Type a place such as X10 Y5, or a line of G-code."))
         try:
             there = target(line, self.link.shape.names)
         except UsageError:
@@ -61,11 +62,13 @@ class SetDialog(LineDialog):
     """What the present position is to be: zero, half, or the thickness of a plate."""
 
     AREA = Area.SET
-    HEADING = "The present position is to be"
-    YES = "Set"
+    HEADING = spoken("The present position is to be")
+    YES = spoken("Set")
 
     def __init__(self, keys: KeyTable, link: MachineLink) -> None:
-        super().__init__(keys, link, example="X0 Y0   or   Z12.5 (on a plate)   or   X/2 (half)")
+        super().__init__(
+            keys, link, example=spoken("X0 Y0   or   Z12.5 (on a plate)   or   X/2 (half)")
+        )
 
     def command(self, line: str) -> Command:
         """Coordinates for some axes."""
@@ -75,7 +78,7 @@ class SetDialog(LineDialog):
         values = axis_words(rest, names) if rest or not halves else {}
         strange = sorted(halves - set(names))
         if strange:
-            raise UsageError(f"There is no axis {strange[0].upper()}.")
+            raise UsageError(spoken("There is no axis {strange}.", strange=strange[0].upper()))
 
         def change(controller: Controller) -> None:
             state = controller.state()
@@ -91,11 +94,11 @@ class OffsetsDialog(LineDialog):
     """The nine work offsets: chosen, changed, cleared."""
 
     AREA = Area.OFFSETS
-    HEADING = "Work offsets: their zeros in machine coordinates"
-    YES = "Do it"
+    HEADING = spoken("Work offsets: their zeros in machine coordinates")
+    YES = spoken("Do it")
 
     def __init__(self, keys: KeyTable, link: MachineLink, axes: Sequence[str]) -> None:
-        example = "G55 (choose)   or   G55 X10 Y5 (change)   or   G55 clear"
+        example = spoken("G55 (choose)   or   G55 X10 Y5 (change)   or   G55 clear")
         super().__init__(keys, link, example=example)
         self._axes = axes
         self._list = Lines("", id="systems")
@@ -112,7 +115,7 @@ class OffsetsDialog(LineDialog):
 
     def _ask(self) -> None:
         if not self.link.order_of(self._tell):
-            self.complain("The machine runs: its work offsets cannot be changed now.")
+            self.complain(spoken("The machine runs: its work offsets cannot be changed now."))
 
     def _tell(self, controller: Controller) -> None:
         chosen = controller.state().work.system
@@ -159,8 +162,8 @@ class ProbeDialog(LineDialog):
     """Which cycle, and what it has to be told."""
 
     AREA = Area.PROBE
-    HEADING = "Probe, and set the work zero"
-    YES = "Probe"
+    HEADING = spoken("Probe, and set the work zero")
+    YES = spoken("Probe")
     #: What each needs to be told, and what is proposed.
     _TOLD: Final = (
         ("down on", "thickness 0 reach 20"),
@@ -194,7 +197,11 @@ class ProbeDialog(LineDialog):
 
     def _show(self) -> None:
         name = self._cycles[self._at]
-        self._cycle.show(f"{name}   ({self._at + 1} of {len(self._cycles)})")
+        self._cycle.show(
+            spoken(
+                "{name}   ({at} of {count})", name=name, at=self._at + 1, count=len(self._cycles)
+            )
+        )
         self.put(next(told for word, told in self._TOLD if name.startswith(word)))
 
     def command(self, line: str) -> Command:
@@ -204,7 +211,9 @@ class ProbeDialog(LineDialog):
         while at < len(line):
             found = _VALUE.match(line, at)
             if found is None:
-                raise UsageError(f'"{line[at:]}" is not a word with a number, as in reach 20.')
+                raise UsageError(
+                    spoken('"{line}" is not a word with a number, as in reach 20.', line=line[at:])
+                )
             values[found[1].lower()] = float(found[2].replace(",", "."))
             at = found.end()
         name = self._cycles[self._at]

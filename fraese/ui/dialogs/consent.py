@@ -4,6 +4,7 @@ from textual.app import ComposeResult
 from textual.widgets import Button
 
 from fraese.control.calibration.proposal import Proposal
+from fraese.phrases import spoken
 from fraese.ui.dialogs.dialog import Dialog
 from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.widgets.fact import Fact
@@ -19,8 +20,8 @@ class ConsentDialog(Dialog[bool]):
     """
 
     AREA = Area.CONSENT
-    HEADING = "Write the configuration?"
-    YES = "Write"
+    HEADING = spoken("Write the configuration?")
+    YES = spoken("Write")
 
     def __init__(self, keys: KeyTable, proposal: Proposal, path: str) -> None:
         super().__init__(keys)
@@ -32,7 +33,10 @@ class ConsentDialog(Dialog[bool]):
         for change in self._proposal.changes:
             yield Fact(change.words(), classes="change")
         yield Fact(
-            f"in {self._path}; comments stay. It counts from the next start of the program.",
+            spoken(
+                "in {path}; comments stay. It counts from the next start of the program.",
+                path=self._path,
+            ),
             classes="question more",
         )
 

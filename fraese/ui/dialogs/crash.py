@@ -7,6 +7,7 @@ from textual.app import ComposeResult
 from textual.widgets import Button
 
 from fraese.control.asleft import Left
+from fraese.phrases import spoken
 from fraese.ui.dialogs.dialog import Dialog
 from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.widgets.fact import Fact
@@ -28,8 +29,8 @@ class CrashDialog(Dialog[Answer]):
     """
 
     AREA = Area.CRASH
-    HEADING = "After a crash"
-    YES = "Reference again"
+    HEADING = spoken("After a crash")
+    YES = spoken("Reference again")
 
     def __init__(self, keys: KeyTable, left: Left) -> None:
         super().__init__(keys)
@@ -44,7 +45,7 @@ class CrashDialog(Dialog[Answer]):
     def also(self) -> ComposeResult:
         """Only where the motors find back."""
         if self._left.may_be_taken:
-            yield Button("Position as left", id="as-left", compact=True)
+            yield Button(spoken("Position as left"), id="as-left", compact=True)
 
     def hints(self) -> str:
         """The line of keys."""

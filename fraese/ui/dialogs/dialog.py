@@ -8,6 +8,7 @@ from textual.containers import Horizontal, Vertical
 from textual.widgets import Button, Checkbox, Input, RadioButton
 
 from fraese.control.state import MachineState
+from fraese.phrases import spoken
 from fraese.ui.dialogs.page import LivePage
 from fraese.ui.widgets.fact import Fact, Flowing
 
@@ -44,8 +45,8 @@ class Dialog(LivePage[R]):
     """A box in the middle, with a title and two buttons."""
 
     HEADING = ""
-    YES = "OK"
-    BACK = "Back"
+    YES = spoken("OK")
+    BACK = spoken("Back")
 
     def compose(self) -> ComposeResult:
         """Frame around what ``inner`` gives."""

@@ -8,6 +8,7 @@ from textual.containers import Horizontal
 from textual.widgets import Input
 
 from fraese.errors import FraeseError, UsageError
+from fraese.phrases import spoken
 from fraese.ui.dialogs.dialog import Dialog
 from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.widgets.fact import Fact
@@ -52,7 +53,7 @@ class FormDialog(Dialog[Words]):
         heading: str,
         what: str,
         fields: Sequence[Field] = (),
-        yes: str = "Start",
+        yes: str = spoken("Start"),
         check: Callable[[Words], object] = lambda words: None,
     ) -> None:
         super().__init__(keys)
@@ -101,7 +102,9 @@ def number(words: Words, name: str, what: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise UsageError(f'"{words[name]}" is no number: give {what}.') from None
+        raise UsageError(
+            spoken('"{words}" is no number: give {what}.', words=words[name], what=what)
+        ) from None
 
 
 def number_or_none(words: Words, name: str, what: str) -> float | None:
@@ -122,4 +125,6 @@ def whole(words: Words, name: str, what: str) -> int:
     try:
         return int(words[name])
     except ValueError:
-        raise UsageError(f'"{words[name]}" is no whole number: give {what}.') from None
+        raise UsageError(
+            spoken('"{words}" is no whole number: give {what}.', words=words[name], what=what)
+        ) from None

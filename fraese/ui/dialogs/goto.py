@@ -7,6 +7,7 @@ from textual.app import ComposeResult
 from textual.widgets import RadioButton, RadioSet
 
 from fraese.axiswords import Target, target
+from fraese.phrases import spoken
 from fraese.ui.dialogs.dialog import Choice
 from fraese.ui.dialogs.line import Command, LineDialog
 from fraese.ui.keyrows import Area, KeyTable
@@ -20,9 +21,9 @@ _NUMBERS = ("10", "5", "-1", "90")
 class From(Enum):
     """What the numbers of a target count from."""
 
-    WORK = "work zero"
-    MACHINE = "machine zero"
-    HERE = "here"
+    WORK = spoken("work zero")
+    MACHINE = spoken("machine zero")
+    HERE = spoken("here")
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +53,8 @@ class GoToDialog(LineDialog):
     """
 
     AREA = Area.GO_TO
-    HEADING = "Go to"
-    YES = "Go"
+    HEADING = spoken("Go to")
+    YES = spoken("Go")
 
     def __init__(self, keys: KeyTable, link: MachineLink, last: GoTo | None) -> None:
         super().__init__(keys, link, last.text if last else "", example(link.shape))
@@ -64,7 +65,7 @@ class GoToDialog(LineDialog):
     def inner(self) -> ComposeResult:
         """One input, one choice."""
         yield from super().inner()
-        yield Fact("counted from", classes="label")
+        yield Fact(spoken("counted from"), classes="label")
         with RadioSet(id="counted-from"):
             for choice in From:
                 yield Choice(choice.value, choice is self._counted_from)

@@ -6,6 +6,7 @@ from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
 from textual.widgets import Static
 
+from fraese.phrases import shown, spoken
 from fraese.ui.dialogs.page import Page
 from fraese.ui.keyrows import GROUPS, Area
 from fraese.ui.keyrows.everywhere import PALETTE
@@ -20,13 +21,13 @@ class HelpPage(Page[None]):
     def compose(self) -> ComposeResult:
         """Heading, groups, notes."""
         with Vertical(classes="dialog wide"):
-            yield Fact("Keys", classes="dialog-title")
+            yield Fact(spoken("Keys"), classes="dialog-title")
             with VerticalScroll():
                 for group in GROUPS:
                     yield Fact(group, classes="help-heading")
                     yield Static(self._group(group), classes="help-group")
                 yield Static("\n\n".join(self.keys.notes()), classes="help-notes", markup=False)
-            palette = f"Every command is also in the palette: {PALETTE.said}."
+            palette = spoken("Every command is also in the palette: {said}.", said=PALETTE.said)
             yield Fact(f"{palette}   {self.keys.hint(self.AREA)}", classes="hint")
 
     def _group(self, group: str) -> Table:
@@ -34,6 +35,6 @@ class HelpPage(Page[None]):
         table.add_column(justify="right", min_width=5, no_wrap=True)
         table.add_column()
         for command in self.keys.commands:
-            if command.group == group:
+            if command.group == shown(group):
                 table.add_row(Text(command.all_shown, "bold"), f"{command.title}: {command.help}")
         return table

@@ -8,13 +8,16 @@ from textual.widgets import Button, Input
 
 from fraese.control.controller import Controller
 from fraese.errors import FraeseError
+from fraese.phrases import spoken
 from fraese.ui.dialogs.dialog import Dialog
 from fraese.ui.keyrows import KeyTable
 from fraese.ui.machinelink import MachineLink
 
 #: Nobody types more; a paste is cut.
 _LONGEST: Final = 500
-_BUSY: Final = "The machine runs: wait for the end of the job, or stop it; nothing was done."
+_BUSY: Final = spoken(
+    "The machine runs: wait for the end of the job, or stop it; nothing was done."
+)
 
 Command = Callable[[Controller], object]
 

@@ -12,6 +12,7 @@ from textual.strip import Strip
 from textual.widgets import DirectoryTree, Input, OptionList
 from textual.widgets.option_list import Option
 
+from fraese.phrases import spoken
 from fraese.plaintext import dotted, plain
 from fraese.ui.dialogs.dialog import Dialog
 from fraese.ui.keyrows import Area, KeyTable
@@ -67,8 +68,8 @@ class OpenDialog(Dialog[Path]):
     """
 
     AREA = Area.OPEN
-    HEADING = "Open a program"
-    YES = "Open"
+    HEADING = spoken("Open a program")
+    YES = spoken("Open")
 
     def __init__(
         self, keys: KeyTable, folder: Path, path: str, recent: Sequence[Path] = ()
@@ -81,7 +82,7 @@ class OpenDialog(Dialog[Path]):
     def inner(self) -> ComposeResult:
         """Input, what was opened last, and tree."""
         yield PathInput(
-            self._path, placeholder="path of a program file", id="file", max_length=_LONGEST
+            self._path, placeholder=spoken("path of a program file"), id="file", max_length=_LONGEST
         )
         if self._recent:
             options = (Option(Text(_in_short(path), no_wrap=True)) for path in self._recent)
@@ -100,7 +101,7 @@ class OpenDialog(Dialog[Path]):
         """What was typed."""
         text = self.query_one("#file", Input).value.strip()
         if not text:
-            self.complain("Type the path of a program file, or choose one below.")
+            self.complain(spoken("Type the path of a program file, or choose one below."))
             return
         path = Path(text)
         with suppress(RuntimeError):  # nobody of that name has a home

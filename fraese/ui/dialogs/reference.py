@@ -6,6 +6,7 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.widgets import Button, Checkbox
 
+from fraese.phrases import spoken
 from fraese.ui.dialogs.dialog import Dialog, Tick
 from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.shape import Shape
@@ -28,8 +29,8 @@ class ReferenceDialog(Dialog[Reference]):
     """
 
     AREA = Area.REFERENCE
-    HEADING = "Reference: run to the end switches"
-    YES = "Reference"
+    HEADING = spoken("Reference: run to the end switches")
+    YES = spoken("Reference")
 
     def __init__(self, keys: KeyTable, shape: Shape) -> None:
         super().__init__(keys)
@@ -39,9 +40,13 @@ class ReferenceDialog(Dialog[Reference]):
         """A box for each axis, ticked where there are switches; others are referenced "here"."""
         with Horizontal(classes="boxes"):
             for axis in self._shape.axes:
-                label = axis.letter if axis.has_switches else f"{axis.letter} here"
+                label = (
+                    axis.letter
+                    if axis.has_switches
+                    else spoken("{letter} here", letter=axis.letter)
+                )
                 yield Tick(label, axis.has_switches, id=f"axis-{axis.name}")
-        yield Tick("measure the travel to the other end too", id="measure")
+        yield Tick(spoken("measure the travel to the other end too"), id="measure")
 
     def action_tick(self, name: str) -> None:
         """Tick or untick."""
@@ -55,6 +60,6 @@ class ReferenceDialog(Dialog[Reference]):
         ticked = {str(box.id) for box in self.query(Checkbox) if box.value}
         axes = tuple(name for name in self._shape.names if f"axis-{name}" in ticked)
         if not axes:
-            self.complain("Choose at least one axis.")
+            self.complain(spoken("Choose at least one axis."))
             return
         self.dismiss(Reference(axes, "measure" in ticked))

@@ -9,6 +9,7 @@ from textual.containers import VerticalScroll
 from textual.widgets import Button
 
 from fraese.errors import FraeseError
+from fraese.phrases import shown, spoken
 from fraese.ui.dialogs.dialog import Dialog
 from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.programs import Resumption, Way
@@ -26,8 +27,8 @@ class ResumeDialog(Dialog[int]):
     """
 
     AREA = Area.RESUME
-    HEADING = "Go on with a program"
-    YES = "Go on"
+    HEADING = spoken("Go on with a program")
+    YES = spoken("Go on")
 
     def __init__(self, keys: KeyTable, resumption: Resumption) -> None:
         super().__init__(keys)
@@ -65,7 +66,9 @@ class ResumeDialog(Dialog[int]):
 
     def _read(self) -> None:
         back, self._way = self._moves_back, None
-        self._cut_short.show(f"{self._resumption.name} is being read as far as the place …")
+        self._cut_short.show(
+            spoken("{name} is being read as far as the place …", name=self._resumption.name)
+        )
 
         def read() -> None:
             try:
@@ -75,7 +78,11 @@ class ResumeDialog(Dialog[int]):
             except FraeseError as error:
                 self.call_later(self._failed, back, str(error))
             except Exception as error:  # of a reader, which must not end the control of a machine
-                self.call_later(self._failed, back, f"Reading the program failed: {error!r}.")
+                self.call_later(
+                    self._failed,
+                    back,
+                    spoken("Reading the program failed: {error}.", error=repr(error)),
+                )
             else:
                 self.call_later(self._known, back, way, self._resumption.news())
 
@@ -93,11 +100,16 @@ class ResumeDialog(Dialog[int]):
             return
         self._way = way
         name = self._resumption.name
-        moves = f"{back} move{'s' if back > 1 else ''}"
+        moves = spoken("{back} moves", back=back) if back > 1 else spoken("1 move")
         self._cut_short.show(
-            f"{name} goes on in line {way.line}, {moves} before it was cut short:"
+            spoken(
+                "{name} goes on in line {line}, {moves} before it was cut short:",
+                name=name,
+                line=way.line,
+                moves=moves,
+            )
             if back
-            else f"{name} was cut short in line {way.line}:"
+            else spoken("{name} was cut short in line {line}:", name=name, line=way.line)
         )
         self._line.show(way.text)
         self._told.remove_children()
@@ -121,12 +133,16 @@ class ResumeDialog(Dialog[int]):
 def _told(way: Way, news: Sequence[str]) -> Iterator[Fact]:
     for sentence in news:
         yield Fact(sentence, classes="fact -warn")
-    yield Fact(f"In force: {way.in_force}.", classes="fact")
-    over = f"Safe height: {way.height}." if way.height else "Nothing lifts the tool."
-    yield Fact(f"{over} On the way:", classes="fact")
+    yield Fact(spoken("In force: {in_force}.", in_force=way.in_force), classes="fact")
+    over = (
+        spoken("Safe height: {height}.", height=way.height)
+        if way.height
+        else spoken("Nothing lifts the tool.")
+    )
+    yield Fact(spoken("{over} On the way:", over=over), classes="fact")
     for moves, legs in groupby(way.legs, lambda leg: leg[2]):
         if not moves:
-            yield Fact("; ".join(words for words, _, _ in legs), classes="fact leg")
+            yield Fact("; ".join(shown(words) for words, _, _ in legs), classes="fact leg")
             continue
         for words, work, _ in legs:
             yield Fact(words, classes="fact leg")

@@ -12,6 +12,7 @@ from textual.widgets import Button, Input, OptionList
 from textual.widgets.option_list import Option
 
 from fraese.control.state import MachineState
+from fraese.phrases import spoken
 from fraese.plaintext import plain
 from fraese.ui.briefing import Line, Problem, lines, may_start, problems
 from fraese.ui.dialogs.dialog import Dialog
@@ -55,7 +56,7 @@ class StartDialog(Dialog[Decision]):
     """
 
     AREA = Area.START
-    YES = "Start"
+    YES = spoken("Start")
 
     def __init__(
         self,
@@ -69,7 +70,7 @@ class StartDialog(Dialog[Decision]):
         super().__init__(keys)
         facts = program.facts
         assert facts is not None
-        self.HEADING = f"Start {program.name}"
+        self.HEADING = spoken("Start {name}", name=program.name)
         self._count = len(program.lines)
         self._lines: list[Line] = lines(facts, state, shape)
         self._problems: list[Problem] = problems(facts, state, news)
@@ -93,9 +94,9 @@ class StartDialog(Dialog[Decision]):
                 compact=True,
             )
         else:
-            yield Fact("✓ Nothing is wrong with it.", classes="-good one-line")
+            yield Fact(spoken("✓ Nothing is wrong with it."), classes="-good one-line")
         with Horizontal(id="from-line-row"):
-            yield Fact("from line ", classes="label-beside")
+            yield Fact(spoken("from line "), classes="label-beside")
             yield Input(
                 "",
                 placeholder="1",
@@ -108,7 +109,7 @@ class StartDialog(Dialog[Decision]):
     def also(self) -> ComposeResult:
         """The frame, where there is one."""
         if self._may_start and self._moves:
-            yield Button("Frame first", id="frame", compact=True)
+            yield Button(spoken("Frame first"), id="frame", compact=True)
 
     def on_mount(self) -> None:
         """What is wrong comes first."""
@@ -134,12 +135,12 @@ class StartDialog(Dialog[Decision]):
     def action_accept(self) -> None:
         """Start, if nothing is wrong."""
         if not self._may_start:
-            self.complain("It is refused: mend the lines above, and open it again.")
+            self.complain(spoken("It is refused: mend the lines above, and open it again."))
             return
         text = self.query_one("#from-line", Input).value.strip()
         line = int(text) if text.isdecimal() else 0
         if text and not 1 <= line <= self._count:
-            self.complain(f"The program has the lines 1 to {self._count}.")
+            self.complain(spoken("The program has the lines 1 to {count}.", count=self._count))
             return
         self.dismiss(Decision(What.START, line))
 
@@ -153,8 +154,8 @@ class WayDialog(Dialog[bool]):
     """
 
     AREA = Area.START_THERE
-    HEADING = "Start in the middle"
-    YES = "Go"
+    HEADING = spoken("Start in the middle")
+    YES = spoken("Go")
 
     def __init__(self, keys: KeyTable, way: list[str]) -> None:
         super().__init__(keys)

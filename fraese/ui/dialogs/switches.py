@@ -7,6 +7,7 @@ from textual.containers import Vertical
 
 from fraese.control.state import MachineState
 from fraese.control.switchtest import SwitchTest
+from fraese.phrases import spoken
 from fraese.ui.dialogs.page import LivePage
 from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.shape import Shape
@@ -70,7 +71,7 @@ class SwitchPage(LivePage[None]):
         """Heading, switches, input, what to do."""
         keys = self.keys.hint(self.AREA, but="press" if self._hand is None else None)
         with Vertical(classes="dialog"):
-            yield Fact("Switch test", classes="dialog-title")
+            yield Fact(spoken("Switch test"), classes="dialog-title")
             yield self._sentence
             yield from self._rows.values()
             yield self._input
@@ -115,18 +116,25 @@ class SwitchPage(LivePage[None]):
             self.app.bell()
         self._input.show(switch_words(state), "-alarm" if state.switch_closed else "-weak")
         levels = "  ".join(
-            f"{pin} {'high' if high else 'low'}" for pin, high in sorted(state.inputs.items())
+            f"{pin} {spoken('high') if high else spoken('low')}"
+            for pin, high in sorted(state.inputs.items())
         )
-        self._pins.show(f"input pins  {levels}")
+        self._pins.show(spoken("input pins  {levels}", levels=levels))
         self._draw()
 
     def _draw(self) -> None:
         for name, row in self._rows.items():
             presses = self._test.presses[name]
             asked = "▶" if name == self._test.asked and not self._test.done else " "
-            times = f"seen {presses} times" if presses > 1 else "seen"
+            times = (
+                spoken("seen {presses} times", presses=presses)
+                if presses > 1
+                else spoken("seen")
+                if presses
+                else spoken("not yet")
+            )
             row.show(
-                f" {asked} {'✓' if presses else '·'} {name}   {times if presses else 'not yet'}",
+                f" {asked} {'✓' if presses else '·'} {name}   {times}",
                 "-good" if presses else "",
             )
         self._sentence.show(self._test.sentence(), "-alarm" if self._test.stuck else "")

@@ -10,6 +10,7 @@ from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from fraese.phrases import spoken
 from fraese.ui.keyrows.row import Area, Row
 from fraese.ui.shape import AxisShape
 from fraese.ui.widths import REPEAT_FACTOR, REPEAT_FROM, Width
@@ -57,15 +58,20 @@ def jog_rows(axes: Sequence[AxisShape], *, upright: bool) -> list[Row]:
 
 def _jog(place: _Place, axis: AxisShape, sign: int) -> Row:
     key, shown = place.plus if sign > 0 else place.minus
-    direction = "positive" if sign > 0 else "negative"
-    verb = "Turn" if axis.turns else "Move"
+    direction = spoken("positive") if sign > 0 else spoken("negative")
+    verb = spoken("Turn") if axis.turns else spoken("Move")
     return Row(
         Area.MACHINE,
         key,
         shown,
         f"jog('{axis.name}', {sign})",
-        f"Jog {axis.letter}{'+' if sign > 0 else '−'}",
-        f"{verb} {axis.letter} by one step width in {direction} direction.",
+        spoken("Jog {letter}{what}", letter=axis.letter, what="+" if sign > 0 else "−"),
+        spoken(
+            "{verb} {letter} by one step width in {direction} direction.",
+            verb=verb,
+            letter=axis.letter,
+            direction=direction,
+        ),
         "Jog",
     )
 
@@ -84,21 +90,29 @@ def zero_rows(axes: Sequence[AxisShape], taken: Container[str]) -> list[Row]:
 def _zero(axis: AxisShape, key: str) -> Row:
     name = axis.letter
     return Row(
-        Area.MACHINE, key, key, f"zero('{axis.name}')", f"Zero {name}",
-        f"Let the work zero of {name} be here.", "Position",
+        Area.MACHINE, key, key, f"zero('{axis.name}')", spoken("Zero {name}", name=name),
+        spoken("Let the work zero of {name} be here.", name=name), "Position",
     )  # fmt: skip
 
 
 def set_width(number: int, width: Width) -> Row:
     """Chooses this step width."""
-    rule = "" if width.mm else f"; from press {REPEAT_FROM} of the same key on {REPEAT_FACTOR}"
+    rule = (
+        ""
+        if width.mm
+        else spoken(
+            "; from press {repeat_from} of the same key on {repeat_factor}",
+            repeat_from=REPEAT_FROM,
+            repeat_factor=REPEAT_FACTOR,
+        )
+    )
     return Row(
         Area.MACHINE,
         str(number),
         str(number),
         f"set_width({number - 1})",
-        f"Step {width.label}",
-        f"Step width {width.label}{rule}.",
+        spoken("Step {label}", label=width.label),
+        spoken("Step width {label}{rule}.", label=width.label, rule=rule),
         "Jog",
         given_name=f"step_width_{number}",
     )

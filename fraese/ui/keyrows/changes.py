@@ -12,7 +12,7 @@ from itertools import combinations
 from typing import Final
 
 from fraese.errors import ConfigError
-from fraese.phrases import phrase
+from fraese.phrases import spoken
 from fraese.ui.keyrows.everywhere import PALETTE, QUIT_AT_ONCE, STOP_KEYS
 from fraese.ui.keyrows.naming import key_named, shown
 from fraese.ui.keyrows.row import Area, Row
@@ -54,7 +54,7 @@ def _seen(known: Mapping[str, Row], changes: Changes) -> Iterator[tuple[str, lis
             raise ConfigError(_unknown(name, known))
         if row.area is Area.EVERYWHERE:
             raise ConfigError(
-                phrase(
+                spoken(
                     "keys.{name}: what works everywhere keeps its keys ({keys}); take this line"
                     " out.",
                     name=name,
@@ -66,7 +66,7 @@ def _seen(known: Mapping[str, Row], changes: Changes) -> Iterator[tuple[str, lis
             key = key_named(text)
             if key is None:
                 raise ConfigError(
-                    phrase(
+                    spoken(
                         'keys.{name}: "{text}" is no key; write a character, such as "g", or a'
                         ' name: "f8", "left", "pageup", "ctrl+g".',
                         name=name,
@@ -75,13 +75,13 @@ def _seen(known: Mapping[str, Row], changes: Changes) -> Iterator[tuple[str, lis
                 )
             if key in STOP_KEYS:
                 raise ConfigError(
-                    phrase(
+                    spoken(
                         "keys.{name}: {key} always stops; choose another key.", name=name, key=key
                     )
                 )
             if key in fixed:
                 raise ConfigError(
-                    phrase(
+                    spoken(
                         "keys.{name}: {key} works everywhere; choose another key.",
                         name=name,
                         key=key,
@@ -94,13 +94,13 @@ def _seen(known: Mapping[str, Row], changes: Changes) -> Iterator[tuple[str, lis
 def _unknown(name: str, known: Mapping[str, Row]) -> str:
     near = get_close_matches(name, known, n=1, cutoff=0.5)
     if near:
-        return phrase(
+        return spoken(
             "keys.{name}: no action is called that, perhaps {near}; fraese config keys lists them"
             " all.",
             name=name,
             near=near[0],
         )
-    return phrase(
+    return spoken(
         "keys.{name}: no action is called that; fraese config keys lists them all.", name=name
     )
 
@@ -126,7 +126,7 @@ def check_each_means_one_thing(rows: Sequence[Row], changes: Changes) -> None:
                 if key in other.each:
                     blamed, first = (one, other) if one.name in changes else (other, one)
                     raise ConfigError(
-                        phrase(
+                        spoken(
                             "keys.{name}: {key} is the key of {other} already; give that one"
                             " another key, too.",
                             name=blamed.name,

@@ -1,10 +1,12 @@
 """All rows for one machine."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import groupby
 from types import MappingProxyType
 from typing import Final
 
+from fraese.phrases import shown, spoken
 from fraese.ui.keyrows import byhand, frame
 from fraese.ui.keyrows.axes import choose, jog_rows, set_width, zero_rows
 from fraese.ui.keyrows.bench import BENCH
@@ -107,6 +109,10 @@ class KeyTable:
         self.rows = (
             *self.commands, *byhand.DIALOGS, *BEFORE_AXES, *boxes, *AFTER_AXES, *CALIBRATE_DIALOGS,
         )  # fmt: skip
+        self.rows = tuple(map(_in_words, self.rows))
+        self.commands = tuple(map(_in_words, self.commands))
+        self.listed = tuple(map(_in_words, self.listed))
+        self.views = {name: _in_words(row) for name, row in self.views.items()}
         self._step_word = shape.step_word
 
     def of(self, *areas: Area) -> Iterable[Row]:
@@ -133,12 +139,34 @@ class KeyTable:
     def notes(self) -> tuple[str, ...]:
         """What the help screen says below the keys."""
         return (
-            f"At {self._step_word} width the original's repeat rule holds: presses 1 to"
-            f" {REPEAT_FROM - 1} of the same key count single, from the {REPEAT_FROM}st on"
-            " ten-fold; another key or a pause of a second resets it.",
-            "Presses add up while the machine moves. The opposite key brakes and then goes the"
-            " other way; another axis waits its turn.",
-            "Nothing here is an emergency stop: that is a switch which cuts the power.",
-            "Escape takes a tenth of a second, since longer keys begin like it; inside tmux or"
-            " screen more (tmux: set escape-time 0). Ctrl+C takes none.",
+            spoken(
+                "At {step_word} width the original's repeat rule holds: presses 1 to"
+                " {repeat_from} of the same key count single, from the {repeat_from_2}st on"
+                " ten-fold; another key or a pause of a second resets it.",
+                step_word=self._step_word,
+                repeat_from=REPEAT_FROM - 1,
+                repeat_from_2=REPEAT_FROM,
+            ),
+            spoken(
+                "Presses add up while the machine moves. The opposite key brakes and then"
+                " goes the other way; another axis waits its turn."
+            ),
+            spoken("Nothing here is an emergency stop: that is a switch which cuts the power."),
+            spoken(
+                "Escape takes a tenth of a second, since longer keys begin like it; inside"
+                " tmux or screen more (tmux: set escape-time 0). Ctrl+C takes none."
+            ),
         )
+
+
+def _in_words(row: Row) -> Row:
+    """A row as its reader wants it; the configuration calls it as ever."""
+    return replace(
+        row,
+        given_name=row.name,
+        title=shown(row.title),
+        help=shown(row.help),
+        group=shown(row.group),
+        footer=shown(row.footer),
+        hint=shown(row.hint),
+    )

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from fraese.control.asleft import Left
 from fraese.control.controller import Controller
+from fraese.phrases import spoken
 from fraese.ui.dialogs.crash import Answer, CrashDialog
 from fraese.ui.dialogs.resume import ResumeDialog
 from fraese.ui.programs import Program, Resumption
@@ -65,7 +66,7 @@ class AfterFaults(View):
 
     def _show_left(self, left: Left | None) -> None:
         if left is None:
-            self.note("No crash has put the position in doubt.")
+            self.note(spoken("No crash has put the position in doubt."))
             return
         self.say(left.known, "-warn")
         self.app.push_screen(CrashDialog(self.desk.keys, left), self._decided)

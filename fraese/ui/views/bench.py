@@ -9,6 +9,7 @@ from fraese.control.benchfacts import BenchFacts
 from fraese.control.controller import Controller
 from fraese.control.slowmotion import turn_slowly
 from fraese.control.state import MachineState
+from fraese.phrases import spoken
 from fraese.ui.keyrows import Area
 from fraese.ui.views.calibrate import Paragraph
 from fraese.ui.views.view import Desk, View
@@ -72,7 +73,7 @@ class BenchView(View):
         """All of it; only while it is seen."""
         bench = self.desk.bench
         if bench is None:
-            self._text.show("This machine is not open: there is nothing to be seen here.")
+            self._text.show(spoken("This machine is not open: there is nothing to be seen here."))
             return
         self._listen()
         facts = bench.look()
@@ -85,21 +86,26 @@ class BenchView(View):
             room = self.query_one("#bench").size.height - len(lines) - 1
             lines += lamps.waves(bench.lines(), width, min(_WAVE_ROWS, max(2, room)))
         elif not bench.is_simulated:
-            lines.append("The lines of metal are written down with --trace, see fraese trace.")
+            lines.append(
+                spoken("The lines of metal are written down with --trace, see fraese trace.")
+            )
         self._text.show("\n".join(lines))
 
     def _lines(self, facts: BenchFacts, state: MachineState, width: int) -> list[str]:
         motors, rate = facts.motors, RATES_HZ[self._rate]
         entries = len(facts.table)
+        inputs = lamps.pins(spoken("inputs "), state.inputs)
+        outputs = lamps.pins(spoken("control"), facts.outputs)
         return [
             lamps.lamps(facts),
-            f"{lamps.pins('inputs ', state.inputs)}   {lamps.pins('control', facts.outputs)}",
+            inputs + "   " + outputs,
             *(
                 lamps.motor_line(motor, entries, n == self._at, width)
                 for n, motor in enumerate(motors)
             ),
             lamps.table_line(facts, motors[self._at]),
-            f"slow motion {rate} steps/s" + (f"   {self._pressed} pressed" * bool(self._pressed)),
+            spoken("slow motion {rate} steps/s", rate=rate)
+            + (spoken("   {pressed} pressed", pressed=self._pressed) * bool(self._pressed)),
         ]
 
     # --- motors ----------------------------------------------------------------------------------
@@ -136,8 +142,10 @@ class BenchView(View):
         bench = self.desk.bench
         if bench is None or not bench.tables:
             self.refuse(
-                "Another phase table is chosen by card.table in the configuration, and counts from"
-                " the next start."
+                spoken(
+                    "Another phase table is chosen by card.table in the configuration, and"
+                    " counts from the next start."
+                )
             )
             return
         at = bench.tables.index(bench.look().table_name)
@@ -146,7 +154,8 @@ class BenchView(View):
         def choose(controller: Controller) -> None:
             bench.choose_table(name)
             self.app.call_later(
-                self.note, f"The motors are driven by {name} until the program ends."
+                self.note,
+                spoken("The motors are driven by {name} until the program ends.", name=name),
             )
 
         self.expect(self.desk.link.order_of(choose))
@@ -157,7 +166,9 @@ class BenchView(View):
         """The lower end switch, or take the hand off."""
         hand = self.desk.hand
         if hand is None:
-            self.refuse("Press the switch at the machine: only a simulated mill has no fingers.")
+            self.refuse(
+                spoken("Press the switch at the machine: only a simulated mill has no fingers.")
+            )
             return
         if self._pressed:
             hand(self._pressed, False)
@@ -171,7 +182,7 @@ class BenchView(View):
         """Hold the carriage, or let it go."""
         bench = self.desk.bench
         if bench is None or not bench.is_simulated:
-            self.refuse("Only the carriage of a simulated mill can be held from here.")
+            self.refuse(spoken("Only the carriage of a simulated mill can be held from here."))
             return
         held = bench.look().motors[self._at].is_blocked
         bench.block(self._axis, not held)

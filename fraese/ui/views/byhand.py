@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from fraese.control.workcommands import go_to_zero
+from fraese.phrases import spoken
 from fraese.ui.dialogs.byhand import OffsetsDialog, ProbeDialog, SetDialog, TypedDialog
 from fraese.ui.views.afterfaults import AfterFaults
 from fraese.ui.views.view import BUSY
@@ -22,7 +23,7 @@ class ByHand(AfterFaults):
 
     def _set(self, line: str | None) -> None:
         if line:
-            self.note(f"Work position set here: {line.upper()}.")
+            self.note(spoken("Work position set here: {line}.", line=line.upper()))
 
     def zero(self, axes: Sequence[str]) -> None:
         """Work zero here, of these axes."""
@@ -34,7 +35,7 @@ class ByHand(AfterFaults):
         if names:
             self.zero(names)
         else:
-            self.refuse("This machine has neither X nor Y.")
+            self.refuse(spoken("This machine has neither X nor Y."))
 
     def action_go_to_zero(self) -> None:
         """Lift, over, down."""
@@ -53,4 +54,4 @@ class ByHand(AfterFaults):
         elif desk.tools.cycles(desk.link.shape.names):
             self.app.push_screen(ProbeDialog(desk.keys, desk.link, desk.tools))
         else:
-            self.refuse("There is no probing cycle for this machine.")
+            self.refuse(spoken("There is no probing cycle for this machine."))

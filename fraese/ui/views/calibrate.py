@@ -12,6 +12,7 @@ from fraese.control.calibration.stepsize import StepSizeTest
 from fraese.control.calibration.sweep import Wish
 from fraese.control.state import MachineState, Status
 from fraese.errors import FraeseError, UsageError
+from fraese.phrases import shown, spoken
 from fraese.plaintext import plain_lines
 from fraese.ui.calibrating import ROUTINES, STAGES, Calibration, Routine, Test
 from fraese.ui.dialogs.consent import ConsentDialog
@@ -102,12 +103,19 @@ class CalibrateView(View):
             f"[{axis.letter}]" if n == self._at else f" {axis.letter} "
             for n, axis in enumerate(axes)
         )
-        self._axes.show(f"axis {names}  {self._key('axis(-1)')} {self._key('axis(1)')}")
+        self._axes.show(
+            spoken(
+                "axis {names}  {key} {key_2}",
+                names=names,
+                key=self._key("axis(-1)"),
+                key_2=self._key("axis(1)"),
+            )
+        )
         self._tried.show(self._tried_words())
         self._title.show(self._routine.title)
         runs = state.status is Status.RUN
         doing = state.job.doing if state.job and runs else ""
-        self._doing.show(f"▶ {doing}" if doing else "", "-run" if doing else "")
+        self._doing.show(f"▶ {shown(doing)}" if doing else "", "-run" if doing else "")
         self._show_found(running=runs)
         self._ask_what_was_made(state)
 
@@ -124,8 +132,12 @@ class CalibrateView(View):
             more = proposed(calibration, self._key("write"), self._key("proposal(1)"))
         elif running and calibration.frequency_test is test and test is not None:
             more = [
-                f"{self._key('mark')} it resonates   {self._key('mark_stall')} it stalls"
-                f"   {self._key('unmark')} take back a mark"
+                spoken(
+                    "{key} it resonates   {key_2} it stalls   {key_3} take back a mark",
+                    key=self._key("mark"),
+                    key_2=self._key("mark_stall"),
+                    key_3=self._key("unmark"),
+                )
             ]
         self._proposal.show("\n".join(more))
 
@@ -134,13 +146,13 @@ class CalibrateView(View):
         ends = [name + end for name in shape.names_with_switches for end in ("min", "max")]
         if not ends:
             return ""
-        return "switches tried\n" + "\n".join(
+        return spoken("switches tried\n") + "\n".join(
             "  ".join(f"{'✓' if end in tried else '·'} {end}" for end in ends[at : at + 2])
             for at in range(0, len(ends), 2)
         )
 
     def _what_words(self, routine: Routine) -> str:
-        home = f"{self.axis.name}'s end switch"
+        home = spoken("{name}'s end switch", name=self.axis.name)
         return routine.what.format(axis=self.axis.letter, home=home)
 
     # --- choosing --------------------------------------------------------------------------------
@@ -158,8 +170,13 @@ class CalibrateView(View):
             self.refuse(BUSY)
         elif routine.by_switch and not self.axis.has_switches:
             self.refuse(
-                f"{self.axis.letter} has no end switches (axes.{self.axis.name}.end_switches), and"
-                f" {routine.title.lower()} needs one: choose another axis."
+                spoken(
+                    "{letter} has no end switches (axes.{name}.end_switches), and {title}"
+                    " needs one: choose another axis.",
+                    letter=self.axis.letter,
+                    name=self.axis.name,
+                    title=routine.title.lower(),
+                )
             )
         else:
             self._ask(name)
@@ -175,20 +192,20 @@ class CalibrateView(View):
         elif name == "gauge":
             self._form(name, (), lambda words: self._asking(name, calibration.gauge(axis)))
         elif name == "steps":
-            way = Field("way", f"way, {self.axis.unit}", "50")
+            way = Field("way", spoken("way, {unit}", unit=self.axis.unit), "50")
             self._form(name, [way], self._way)
         elif name == "backlash":
             self._form(
                 name,
-                [Field("times", "how often", "3")],
+                [Field("times", spoken("how often"), "3")],
                 lambda words: calibration.backlash(
-                    axis, whole(words, "times", "how often, as in 3")
+                    axis, whole(words, "times", spoken("how often, as in 3"))
                 ),
             )
         elif name == "repeat":
             fields = [
-                Field("which", "which one: min or max; empty: home"),
-                Field("times", "how often", "10"),
+                Field("which", spoken("which one: min or max; empty: home")),
+                Field("times", spoken("how often"), "10"),
             ]
             self._form(name, fields, self._repeat)
         else:
@@ -214,7 +231,9 @@ class CalibrateView(View):
     def _switches(self) -> None:
         desk = self.desk
         if not desk.link.shape.names_with_switches:
-            self.refuse("No axis of this machine has end switches (axes.NAME.end_switches).")
+            self.refuse(
+                spoken("No axis of this machine has end switches (axes.NAME.end_switches).")
+            )
             return
         page = SwitchPage(desk.keys, desk.link.shape, self.state, desk.hand, desk.link.tick_off)
         self.app.push_screen(page, lambda _: self._show_again())
@@ -222,43 +241,53 @@ class CalibrateView(View):
     # --- beginning -------------------------------------------------------------------------------
 
     def _way(self, words: Words) -> bool:
-        way_mm = number(words, "way", "a way, as in 50 or -50")
+        way_mm = number(words, "way", spoken("a way, as in 50 or -50"))
         return self._asking("steps", self.calibration.steps(self.axis.name, way_mm))
 
     def _repeat(self, words: Words) -> bool:
         signs = {"": None, "min": -1, "max": 1}
         if words["which"] not in signs:
             raise UsageError(
-                f'"{words["which"]}" is no end: min or max, or nothing for the one to which'
-                f" {self.axis.letter} is referenced."
+                spoken(
+                    '"{words}" is no end: min or max, or nothing for the one to which'
+                    " {letter} is referenced.",
+                    words=words["which"],
+                    letter=self.axis.letter,
+                )
             )
-        times = whole(words, "times", "how often, as in 10")
+        times = whole(words, "times", spoken("how often, as in 10"))
         return self.calibration.repeat(self.axis.name, signs[words["which"]], times)
 
     def _frequency_fields(self) -> list[Field]:
         return [
-            Field("stage", "start, cruise, acceleration, or all", "all"),
-            Field("low", "from, steps/s (empty: as usual)"),
-            Field("high", "to"),
-            Field("step", "in steps of"),
+            Field("stage", spoken("start, cruise, acceleration, or all"), "all"),
+            Field("low", spoken("from, steps/s (empty: as usual)")),
+            Field("high", spoken("to")),
+            Field("step", spoken("in steps of")),
             Field(
-                "switch", "the switch tells: yes or no", "yes" if self.axis.has_switches else "no"
+                "switch",
+                spoken("the switch tells: yes or no"),
+                "yes" if self.axis.has_switches else "no",
             ),
         ]
 
     def _frequency(self, words: Words) -> bool:
         if words["stage"] not in (*STAGES, "all", ""):
             raise UsageError(
-                f'"{words["stage"]}" is no stage: {", ".join(STAGES)}, or all one by one.'
+                spoken(
+                    '"{words}" is no stage: {stages}, or all one by one.',
+                    words=words["stage"],
+                    stages=", ".join(STAGES),
+                )
             )
         wish = Wish(
-            number_or_none(words, "low", "where to begin, or nothing"),
-            number_or_none(words, "high", "where to end, or nothing"),
-            number_or_none(words, "step", "from one value to the next, or nothing"),
+            number_or_none(words, "low", spoken("where to begin, or nothing")),
+            number_or_none(words, "high", spoken("where to end, or nothing")),
+            number_or_none(words, "step", spoken("from one value to the next, or nothing")),
         )
         stage = STAGES.get(words["stage"])
         if stage is None and wish != Wish():
-            raise UsageError("From, to and step are of one stage: name it.")
+            raise UsageError(spoken("From, to and step are of one stage: name it."))
         by_switch = words["switch"].lower() == _YES
         return self.calibration.frequency(self.axis.name, stage, wish, by_switch=by_switch)
 
@@ -284,17 +313,24 @@ class CalibrateView(View):
             return
         unit = self.axis.unit
         if isinstance(test, StepSizeTest):
-            what = f"{test.commanded_mm:g} {unit} were commanded. How far did it really go?"
-            label = f"measured, {unit}; negative: the other way"
+            what = spoken(
+                "{commanded_mm:g} {unit} were commanded. How far did it really go?",
+                commanded_mm=test.commanded_mm,
+                unit=unit,
+            )
+            label = spoken("measured, {unit}; negative: the other way", unit=unit)
         else:
-            what, label = "It is back. How far from zero is the gauge?", f"it shows, {unit}"
+            what, label = (
+                spoken("It is back. How far from zero is the gauge?"),
+                spoken("it shows, {unit}", unit=unit),
+            )
         dialog = FormDialog(
             self.desk.keys, ROUTINES[name].title, what, [Field("read", label)], "OK", self._read
         )
         self.app.push_screen(dialog, lambda _: self._show_again())
 
     def _read(self, words: Words) -> None:
-        value_mm = number(words, "read", "what was read")
+        value_mm = number(words, "read", spoken("what was read"))
         test = self.calibration.test
         if isinstance(test, StepSizeTest):
             test.measured(test.commanded_mm, value_mm)
@@ -305,21 +341,21 @@ class CalibrateView(View):
 
     def action_mark(self) -> None:
         """It resonates."""
-        self._marked(lambda test: test.mark(), "resonates")
+        self._marked(lambda test: test.mark(), spoken("resonates"))
 
     def action_mark_stall(self) -> None:
         """It stalls."""
-        self._marked(lambda test: test.mark_stall(), "stalls")
+        self._marked(lambda test: test.mark_stall(), spoken("stalls"))
 
     def action_unmark(self) -> None:
         """It did not."""
-        self._marked(lambda test: test.unmark(), "is not marked any more")
+        self._marked(lambda test: test.unmark(), spoken("is not marked any more"))
 
     def _marked(self, mark: Callable[[FrequencyTest], float | None], word: str) -> None:
         test = self.calibration.frequency_test
         value = None if test is None else mark(test)
         if value is None:
-            self.refuse("Nothing is tried now: marks belong to a frequency test that runs.")
+            self.refuse(spoken("Nothing is tried now: marks belong to a frequency test that runs."))
         else:
             self.say(f"{value:g} {word}.")
             self._show_again()
@@ -337,11 +373,11 @@ class CalibrateView(View):
         """Show old and new, and ask."""
         proposal, writer = self.calibration.proposal, self.desk.writer
         if proposal is None or not proposal.changes:
-            self.refuse("There is nothing to write: measure something first.")
+            self.refuse(spoken("There is nothing to write: measure something first."))
         elif self.desk.link.moving:
             self.refuse(BUSY)
         elif writer is None:
-            self.refuse("There is no configuration file to write here.")
+            self.refuse(spoken("There is no configuration file to write here."))
         else:
             dialog = ConsentDialog(self.desk.keys, proposal, writer.path)
             self.app.push_screen(dialog, self._write)
@@ -355,4 +391,10 @@ class CalibrateView(View):
         except FraeseError as error:
             self.refuse(str(error))
             return
-        self.note(f"Written to {writer.path}: {proposal.words()}. It counts from the next start.")
+        self.note(
+            spoken(
+                "Written to {path}: {words}. It counts from the next start.",
+                path=writer.path,
+                words=proposal.words(),
+            )
+        )

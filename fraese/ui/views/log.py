@@ -5,6 +5,7 @@ from typing import Final
 from textual.app import ComposeResult
 
 from fraese.control.state import MachineState
+from fraese.phrases import spoken
 from fraese.ui.eventlog import Kind
 from fraese.ui.keyrows import Area
 from fraese.ui.views.view import Desk, View
@@ -13,9 +14,9 @@ from fraese.ui.widgets.fact import Fact
 
 #: What can be shown, in words.
 _CHOICES: Final = (
-    ("All events", tuple(Kind)),
-    ("Alarms and warnings", (Kind.ALARM, Kind.WARNING)),
-    ("Alarms", (Kind.ALARM,)),
+    (spoken("All events"), tuple(Kind)),
+    (spoken("Alarms and warnings"), (Kind.ALARM, Kind.WARNING)),
+    (spoken("Alarms"), (Kind.ALARM,)),
 )
 
 
@@ -57,7 +58,11 @@ class LogView(View):
         text = self._list.text()
         self.app.copy_to_clipboard(text)
         lines = len(text.splitlines())
-        self.say(f"{lines} event{'' if lines == 1 else 's'} copied, if the terminal allows it.")
+        self.say(
+            spoken("1 event copied, if the terminal allows it.")
+            if lines == 1
+            else spoken("{lines} events copied, if the terminal allows it.", lines=lines)
+        )
 
     def action_scroll_log(self, lines: int) -> None:
         """Look at older ones, or newer ones."""

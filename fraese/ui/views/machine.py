@@ -12,6 +12,7 @@ from textual.containers import Container, Horizontal
 from textual.geometry import Size
 
 from fraese.control.state import MachineState
+from fraese.phrases import shown, spoken
 from fraese.ui.dialogs.confirm import ConfirmDialog
 from fraese.ui.dialogs.goto import GoTo, GoToDialog
 from fraese.ui.dialogs.reference import Reference, ReferenceDialog
@@ -52,7 +53,7 @@ class MachineView(RunsPrograms, ByHand):
         self._choice = widths(shape)
         self._width = FIRST_WIDTH
         self._last_go_to: GoTo | None = None
-        self._program = Flowing("no program", id="program")
+        self._program = Flowing(spoken("no program"), id="program")
         self._position = PositionPanel(shape)
         width_keys = [row for row in keys.commands if row.action.startswith("set_width")]
         self._widths = WidthBar(self._choice, width_keys)
@@ -71,7 +72,8 @@ class MachineView(RunsPrograms, ByHand):
             yield CommandList([row for row in self.desk.keys.listed if not is_jog(row)])
         with Horizontal(id="job-line"):
             yield self._job
-            yield Fact(" · ".join(filter(None, ("fraese", self.desk.machine_name))), id="title")
+            names = ("fraese", shown(self.desk.machine_name))
+            yield Fact(" · ".join(filter(None, names)), id="title")
             yield self._program
 
     def on_mount(self) -> None:
@@ -204,10 +206,12 @@ class MachineView(RunsPrograms, ByHand):
             return
         dialog = ConfirmDialog(
             self.desk.keys,
-            "Ignore the end switches",
-            "Nothing will stop an axis at its end any more: the motors run against it, and lose"
-            " steps. Only for trying things out.",
-            "Ignore them",
+            spoken("Ignore the end switches"),
+            spoken(
+                "Nothing will stop an axis at its end any more: the motors run against it,"
+                " and lose steps. Only for trying things out."
+            ),
+            spoken("Ignore them"),
         )
         self.app.push_screen(dialog, self._ignore)
 
@@ -222,7 +226,9 @@ class MachineView(RunsPrograms, ByHand):
             self.refuse(BUSY)
             return
         if not desk.link.shape.names_with_switches:
-            self.refuse("No axis of this machine has end switches (axes.NAME.end_switches).")
+            self.refuse(
+                spoken("No axis of this machine has end switches (axes.NAME.end_switches).")
+            )
             return
         link = desk.link
         page = SwitchPage(desk.keys, link.shape, self.state, desk.hand, link.tick_off)

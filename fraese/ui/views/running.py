@@ -16,6 +16,7 @@ from typing import Any
 
 from fraese.control.controller import Controller
 from fraese.errors import FraeseError, StateError
+from fraese.phrases import spoken
 from fraese.ui.dialogs.open import OpenDialog
 from fraese.ui.dialogs.start import Decision, StartDialog, WayDialog, What
 from fraese.ui.keyrows.everywhere import STOP
@@ -56,7 +57,9 @@ class RunsPrograms(View):
         """Read the file, which may be long, beside everything else."""
         programs = self.desk.programs
         look = programs.begin()
-        self.seen.say(f"{path.name} is being read; {STOP.said} ends that.")
+        self.seen.say(
+            spoken("{name} is being read; {said} ends that.", name=path.name, said=STOP.said)
+        )
 
         def read() -> None:
             program = programs.read(path)
@@ -74,7 +77,11 @@ class RunsPrograms(View):
             except FraeseError as error:
                 self.call_later(self._failed, look, str(error))
             except Exception as error:  # of a reader, which must not end the control of a machine
-                self.call_later(self._failed, look, f"Reading the program failed: {error!r}.")
+                self.call_later(
+                    self._failed,
+                    look,
+                    spoken("Reading the program failed: {error}.", error=repr(error)),
+                )
 
         look.busy = True
         threading.Thread(target=go, name="program", daemon=True).start()
@@ -118,7 +125,13 @@ class RunsPrograms(View):
         """Look it through beside everything else; then say so, or ask whether to start it."""
         if look.given_up:
             return
-        self.seen.say(f"{program.name} is being looked through; {STOP.said} ends that.")
+        self.seen.say(
+            spoken(
+                "{name} is being looked through; {said} ends that.",
+                name=program.name,
+                said=STOP.said,
+            )
+        )
 
         def through() -> None:
             try:
@@ -142,7 +155,12 @@ class RunsPrograms(View):
         for warning in facts.warnings:
             self.seen.note(warning, warning=True)
         self.seen.note(
-            f"{program.name}: {in_words(facts)}. Start it with {self.desk.keys.said('start')}."
+            spoken(
+                "{name}: {in_words}. Start it with {said}.",
+                name=program.name,
+                in_words=in_words(facts),
+                said=self.desk.keys.said("start"),
+            )
         )
         if start:
             self._ask_to_start(program)
@@ -151,7 +169,14 @@ class RunsPrograms(View):
         if self.desk.programs.ended(look):
             facts = program.facts
             words = f": {in_words(facts)}" if facts is not None else ""
-            self.seen.note(f"{program.name}{words}. Start it with {self.desk.keys.said('start')}.")
+            self.seen.note(
+                spoken(
+                    "{name}{words}. Start it with {said}.",
+                    name=program.name,
+                    words=words,
+                    said=self.desk.keys.said("start"),
+                )
+            )
 
     # --- starting --------------------------------------------------------------------------------
 
@@ -163,10 +188,16 @@ class RunsPrograms(View):
             self.seen.refuse(BUSY)
             return
         if look is not None and look.busy:
-            self.seen.refuse(f"Wait for the look-through, or end it with {STOP.said}.")
+            self.seen.refuse(
+                spoken("Wait for the look-through, or end it with {said}.", said=STOP.said)
+            )
             return
         if program is None:
-            self.seen.refuse(f"No program is loaded: open one with {self.desk.keys.said('open')}.")
+            self.seen.refuse(
+                spoken(
+                    "No program is loaded: open one with {said}.", said=self.desk.keys.said("open")
+                )
+            )
             return
         look = programs.begin()
 
@@ -213,8 +244,12 @@ class RunsPrograms(View):
         def begin(controller: Controller) -> None:
             if program.question(controller) is not None:
                 raise StateError(
-                    f"The machine has changed while {program.name} was looked through: start it"
-                    f" again with {self.desk.keys.said('start')}; nothing has moved."
+                    spoken(
+                        "The machine has changed while {name} was looked through: start it"
+                        " again with {said}; nothing has moved.",
+                        name=program.name,
+                        said=self.desk.keys.said("start"),
+                    )
                 )
             if from_line:
                 program.start(controller, from_line=from_line)

@@ -20,6 +20,7 @@ from textual.screen import Screen
 from fraese.control.benchfacts import Bench
 from fraese.control.state import CutShort, MachineState, Status
 from fraese.errors import FraeseError
+from fraese.phrases import spoken
 from fraese.ui.bindings import bind
 from fraese.ui.calibrating import Writer
 from fraese.ui.dialogs.switches import Hand
@@ -37,8 +38,9 @@ from fraese.ui.widgets.statebar import Top
 from fraese.ui.widgets.status import MessageLine
 from fraese.ui.widths import RepeatRule
 
-BUSY: Final = (
-    f"The machine runs: stop it ({STOP.said}) or wait for the end of the job; nothing was done."
+BUSY: Final = spoken(
+    "The machine runs: stop it ({said}) or wait for the end of the job; nothing was done.",
+    said=STOP.said,
 )
 
 #: Actions whose keys are shown behind the stop key however narrow the screen is.
@@ -142,9 +144,13 @@ class View(Screen[None]):
         self._told_of = cut
         if cut is not None:
             said = self.desk.keys.said
-            sentence = (
-                f"{cut.name} was cut short in line {cut.line}: {said('resume')} goes on with it,"
-                f" {said('lift')} lifts the tool."
+            sentence = spoken(
+                "{name} was cut short in line {line}: {said} goes on with it, {said_2}"
+                " lifts the tool.",
+                name=cut.name,
+                line=cut.line,
+                said=said("resume"),
+                said_2=said("lift"),
             )
             self.notify(sentence, timeout=10, markup=False)
             if not message:
@@ -273,8 +279,11 @@ class View(Screen[None]):
         """Leave, unless the machine runs."""
         if self.desk.link.moving:
             self.refuse(
-                f"The machine runs: stop it first ({STOP.said}),"
-                f" or leave at once with {QUIT_AT_ONCE.said}."
+                spoken(
+                    "The machine runs: stop it first ({said}), or leave at once with {said_2}.",
+                    said=STOP.said,
+                    said_2=QUIT_AT_ONCE.said,
+                )
             )
         else:
             self.app.exit()

@@ -7,10 +7,11 @@ from textual.geometry import Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
+from fraese.phrases import shown, spoken
 from fraese.plaintext import dotted
 from fraese.ui.eventlog import Event, EventLog, Kind
 
-_NONE: Final = "Nothing has happened yet."
+_NONE: Final = spoken("Nothing has happened yet.")
 _SIGNS: Final = {Kind.ALARM: "!", Kind.WARNING: "?", Kind.SAID: " "}
 
 
@@ -40,7 +41,7 @@ class EventList(ScrollView, can_focus=False):
         for event in self._log.of(self._kinds):
             self._rows.append((event, event.title))
             if event.advice:
-                self._rows.append((event, f"  {event.advice}"))
+                self._rows.append((event, f"  {shown(event.advice)}"))
         self.virtual_size = Size(0, len(self._rows))
         if at_end:
             self.scroll_end(animate=False)
@@ -55,7 +56,7 @@ class EventList(ScrollView, can_focus=False):
         """What is shown, for other programs."""
         return "\n".join(
             f"{event.at:%Y-%m-%d %H:%M:%S} {event.kind.value:8}"
-            f"{event.title} {event.advice}".rstrip()
+            f"{event.title} {shown(event.advice)}".rstrip()
             for event in self._log.of(self._kinds)
         )
 

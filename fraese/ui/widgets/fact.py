@@ -2,6 +2,7 @@
 
 from textual.widgets import Static
 
+from fraese.phrases import shown
 from fraese.plaintext import plain
 
 
@@ -21,12 +22,14 @@ class Fact(Static):
         id: str | None = None,  # noqa: A002
         classes: str | None = None,
     ) -> None:
+        text = shown(text)
         super().__init__(plain(text), id=id, classes=classes, markup=False)
         self._text = text
         self._tone = ""
 
     def show(self, text: str, tone: str = "") -> None:
         """These words, in this tone: a CSS class such as "-alarm", or none."""
+        text = shown(text)
         if text != self._text:
             self._text = text
             self.update(self._plain(text), layout=self.flows)

@@ -13,12 +13,19 @@ from fraese.control.calibration.repeat import Repeatability, RepeatTest
 from fraese.control.calibration.stepsize import StepSizeTest
 from fraese.control.calibration.sweep import Outcome, Tried
 from fraese.control.calibration.travel import TravelTest
+from fraese.phrases import shown, spoken
 from fraese.ui.calibrating import Calibration, Test
 
 _EIGHTHS: Final = " ▏▎▍▌▋▊▉█"
 #: Signs of a value, from harmless to bad; where several share a place, the worst is shown.
 UNTRIED, GOOD, RESONANT, STALLED = "·", "▪", "~", "×"
-_LEGEND: Final = f"{GOOD} good   {RESONANT} resonates   {STALLED} stalls   {UNTRIED} not tried"
+_LEGEND: Final = spoken(
+    "{good} good   {resonant} resonates   {stalled} stalls   {untried} not tried",
+    good=GOOD,
+    resonant=RESONANT,
+    stalled=STALLED,
+    untried=UNTRIED,
+)
 
 
 def bar(count: float, most: float, width: int) -> str:
@@ -68,7 +75,7 @@ def _sign(tried: Tried | None, stall: float | None, value: float) -> str:
 
 def sweep(found: Progress, width: int, *, running: bool) -> list[str]:
     """All stages that were tried, and the value that is tried now."""
-    by = "its switch tells of lost steps" if found.by_switch else "by ear"
+    by = spoken("its switch tells of lost steps") if found.by_switch else spoken("by ear")
     lines = [f"{found.axis.upper()}, {by}"]
     for stage, outcome in found.outcomes.items():
         values = outcome.sweep.values
@@ -77,7 +84,15 @@ def sweep(found: Progress, width: int, *, running: bool) -> list[str]:
         lines += ["", f"{ends[0]} {sweep_line(outcome, values, room)} {ends[1]}"]
         if running and stage is found.stage:
             at = (values.index(found.value) if found.value in values else 0) + 1
-            lines.append(f"now {found.value:g} {stage.unit}, {at} of {len(values)}")
+            lines.append(
+                spoken(
+                    "now {value:g} {unit}, {at} of {count}",
+                    value=found.value,
+                    unit=stage.unit,
+                    at=at,
+                    count=len(values),
+                )
+            )
         else:
             lines.append(_capital(outcome.words()))
     return [*lines, "", _LEGEND] if len(lines) > 1 else lines
@@ -95,38 +110,67 @@ def _backlash(found: Backlash, width: int) -> list[str]:
         for number, reading in enumerate(readings, start=1)
     ]
     if not lines:
-        return ["not measured yet"]
+        return [spoken("not measured yet")]
     figures = found.figures
     return [
         *lines,
         "",
-        f"mean {figures.mean:.4f}, spread {figures.spread:.4f}; told apart are {found.fine_mm:.4f}",
+        spoken(
+            "mean {mean:.4f}, spread {spread:.4f}; told apart are {fine_mm:.4f}",
+            mean=figures.mean,
+            spread=figures.spread,
+            fine_mm=found.fine_mm,
+        ),
     ]
 
 
 def _steps(test: StepSizeTest, width: int) -> list[str]:
     found = test.result
     if found is None:
-        return [f"{test.commanded_mm:g} were commanded." if test.commanded_mm else "on the way"]
+        return [
+            spoken("{commanded_mm:g} were commanded.", commanded_mm=test.commanded_mm)
+            if test.commanded_mm
+            else spoken("on the way")
+        ]
     most = max(abs(found.commanded_mm), abs(found.measured_mm))
     room = max(1, width - 24)
     return [
-        f"commanded {found.commanded_mm:>12.3f} {bar(abs(found.commanded_mm), most, room)}",
-        f"measured  {found.measured_mm:>12.3f} {bar(abs(found.measured_mm), most, room)}",
+        spoken(
+            "commanded {commanded_mm:>12.3f} {bar}",
+            commanded_mm=found.commanded_mm,
+            bar=bar(abs(found.commanded_mm), most, room),
+        ),
+        spoken(
+            "measured  {measured_mm:>12.3f} {bar}",
+            measured_mm=found.measured_mm,
+            bar=bar(abs(found.measured_mm), most, room),
+        ),
         "",
-        f"{found.steps_per_mm:.6g} steps per unit are in force, {found.found_steps_per_mm:.6g} are"
-        " right" + (", the other way round." if found.is_inverted else "."),
+        spoken(
+            "{steps_per_mm:.6g} steps per unit are in force, {found_steps_per_mm:.6g} are right",
+            steps_per_mm=found.steps_per_mm,
+            found_steps_per_mm=found.found_steps_per_mm,
+        )
+        + (spoken(", the other way round.") if found.is_inverted else "."),
     ]
 
 
 def _travel(test: TravelTest, width: int) -> list[str]:
     found = test.result
     if found is None:
-        return ["on the way"]
+        return [spoken("on the way")]
     most, room = max(found.measured_mm, found.configured_mm), max(1, width - 24)
     return [
-        f"configured {found.configured_mm:>11.3f} {bar(found.configured_mm, most, room)}",
-        f"measured   {found.measured_mm:>11.3f} {bar(found.measured_mm, most, room)}",
+        spoken(
+            "configured {configured_mm:>11.3f} {bar}",
+            configured_mm=found.configured_mm,
+            bar=bar(found.configured_mm, most, room),
+        ),
+        spoken(
+            "measured   {measured_mm:>11.3f} {bar}",
+            measured_mm=found.measured_mm,
+            bar=bar(found.measured_mm, most, room),
+        ),
     ]
 
 
@@ -136,7 +180,12 @@ def finding(test: Test, width: int, *, running: bool) -> list[str]:
         return sweep(test.facts(), width, running=running)
     if isinstance(test, RepeatTest):
         facts = test.facts()
-        head = f"{facts.end}, {facts.made} of {facts.approaches} approaches"
+        head = spoken(
+            "{end}, {made} of {approaches} approaches",
+            end=facts.end,
+            made=facts.made,
+            approaches=facts.approaches,
+        )
         words = [facts.words()] if facts.made > 1 else []
         return [head, "", *histogram(facts, width), "", *words]
     if isinstance(test, BacklashTest):
@@ -159,13 +208,20 @@ def proposed(calibration: Calibration, write: str, other: str) -> list[str]:
     lines = _changes(proposal)[calibration.frequency_test is not None :]
     if len(every) > 1:
         at = every.index(proposal) + 1
-        lines.append(f"{at} of {len(every)} that explain it; {other} shows the next one.")
+        lines.append(
+            spoken(
+                "{at} of {count} that explain it; {other} shows the next one.",
+                at=at,
+                count=len(every),
+                other=other,
+            )
+        )
     if proposal.changes:
-        lines.append(f"{write} writes it.")
+        lines.append(spoken("{write} writes it.", write=write))
     return lines
 
 
 def _changes(proposal: Proposal) -> list[str]:
     if not proposal.changes:
-        return [proposal.why, "The configuration is right as it is."]
-    return [proposal.why, *(f"   {change.words()}" for change in proposal.changes)]
+        return [proposal.why, spoken("The configuration is right as it is.")]
+    return [shown(proposal.why), *(f"   {shown(change.words())}" for change in proposal.changes)]

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from fraese.control.benchfacts import Access, BenchFacts, MotorFacts
+from fraese.phrases import spoken
 
 _ON, _OFF = "●", "○"
 _LOW, _HIGH, _EDGE, _MANY = "▁", "▔", "│", "▒"
@@ -28,8 +29,10 @@ def lamps(facts: BenchFacts) -> str:
     bits = "  ".join(
         f"D{bit} {_ON if facts.data >> bit & 1 else _OFF}" for bit in range(_BITS - 1, -1, -1)
     )
-    worked_out = "" if facts.is_seen else "  (worked out)"
-    return f"data {facts.data:02X}   {bits}{worked_out}"
+    worked_out = "" if facts.is_seen else spoken("  (worked out)")
+    return spoken(
+        "data {data:02X}   {bits}{worked_out}", data=facts.data, bits=bits, worked_out=worked_out
+    )
 
 
 def pins(name: str, levels: Mapping[int, bool]) -> str:
@@ -57,25 +60,34 @@ def motor_line(motor: MotorFacts, entries: int, chosen: bool, width: int) -> str
     half = max(3, (width - 52) // 4)
     phase = f"{motor.phase:>2}/{entries}" if entries else "  -"
     byte = "--" if motor.latched is None else f"{motor.latched:02X}"
-    rotor = "" if motor.rotor is None else f" rotor {arrow(motor.rotor)}"
-    held = " HELD" if motor.is_blocked else ""
-    return (
-        f"{'▶' if chosen else ' '} {motor.name.upper()} {phase} {byte}"
-        f"  A{motor.a_percent:+4d} {bar(motor.a_percent, half)}"
-        f"  B{motor.b_percent:+4d} {bar(motor.b_percent, half)}"
-        f"  field {arrow(motor.field)}{rotor}{held}"
+    rotor = "" if motor.rotor is None else spoken(" rotor {arrow}", arrow=arrow(motor.rotor))
+    held = spoken(" HELD") if motor.is_blocked else ""
+    return spoken(
+        "{what} {name} {phase} {byte}  A{a_percent:+4d} {bar}  B{b_percent:+4d} {bar_2}"
+        "  field {arrow}{rotor}{held}",
+        what="▶" if chosen else " ",
+        name=motor.name.upper(),
+        phase=phase,
+        byte=byte,
+        a_percent=motor.a_percent,
+        bar=bar(motor.a_percent, half),
+        b_percent=motor.b_percent,
+        bar_2=bar(motor.b_percent, half),
+        arrow=arrow(motor.field),
+        rotor=rotor,
+        held=held,
     )
 
 
 def table_line(facts: BenchFacts, motor: MotorFacts) -> str:
     """The phase table, the motor's row in brackets."""
     if not facts.table:
-        return "The drives have phase tables of their own."
+        return spoken("The drives have phase tables of their own.")
     rows = " ".join(
         f"[{n}:{byte:02X}]" if n == motor.phase else f" {n}:{byte:02X} "
         for n, byte in enumerate(facts.table)
     )
-    return f"table {facts.table_name}  {rows}"
+    return spoken("table {table_name}  {rows}", table_name=facts.table_name, rows=rows)
 
 
 def dial(motor: MotorFacts) -> list[str]:
@@ -99,7 +111,7 @@ def dials(motors: Sequence[MotorFacts]) -> list[str]:
     pictures = [dial(motor) for motor in motors]
     head = "     ".join(f"    {motor.name.upper()}    " for motor in motors)
     rows = ["     ".join(picture[row] for picture in pictures) for row in range(5)]
-    return [head, *rows, "○ field   ● rotor   ◎ both"]
+    return [head, *rows, spoken("○ field   ● rotor   ◎ both")]
 
 
 def waves(heard: Sequence[Access], width: int, rows: int) -> list[str]:
@@ -111,7 +123,7 @@ def waves(heard: Sequence[Access], width: int, rows: int) -> list[str]:
         rows: that there is room for.
     """
     if not heard:
-        return ["Nothing was played yet since this view is open."]
+        return [spoken("Nothing was played yet since this view is open.")]
     columns = max(10, width - 5)
     shown = heard[-4 * columns :]
     first, last = shown[0].at_ns, shown[-1].at_ns
@@ -122,7 +134,15 @@ def waves(heard: Sequence[Access], width: int, rows: int) -> list[str]:
         f"{name:<4}{_wave(shown, register, bit, first, span, columns)}"
         for name, register, bit in lines[: max(1, rows - 1)]
     ]
-    return [*drawn, f"{'':4}{len(shown)} accesses in {span / 1e6:.3f} ms"]
+    return [
+        *drawn,
+        spoken(
+            "{what:4}{count} accesses in {span:.3f} ms",
+            what="",
+            count=len(shown),
+            span=span / 1000000.0,
+        ),
+    ]
 
 
 def _wave(

@@ -9,6 +9,7 @@ from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
+from fraese.phrases import spoken
 from fraese.plaintext import dotted
 
 #: Kinds of parts that have a colour of their own.
@@ -35,7 +36,7 @@ class PathView(ScrollView, can_focus=False):
 
     def __init__(self, open_key: str) -> None:
         super().__init__(id="path")
-        self._none = f"No program: press {open_key} to open one."
+        self._none = spoken("No program: press {open_key} to open one.", open_key=open_key)
         self._lines: Sequence[str] = ()
         self._parts: Parts = _one_part
         self._current = self._pointed = 0

@@ -22,6 +22,7 @@ from textual.geometry import Offset, Region
 from textual.strip import Strip
 from textual.widget import Widget
 
+from fraese.phrases import spoken
 from fraese.ui.widgets.dots import BRAILLE, HALVES, Cell, Dots
 from fraese.ui.widgets.projection import (
     Projection,
@@ -294,7 +295,7 @@ class PathPane(Widget):
             scale = self._view.dots_per_mm / self._cell.wide
             length_mm = round_length_mm(scale, width / 5)
             bar = "─" * max(0, round(length_mm * scale) - 2)
-            text = f"├{bar}┤ {length_mm:g} mm"
+            text = spoken("├{bar}┤ {length_mm:g} mm", bar=bar, length_mm=length_mm)
             texts.append((width - len(text), text))
         for at, text in texts:
             for column, character in enumerate(text, at):

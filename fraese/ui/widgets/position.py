@@ -13,6 +13,7 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 
 from fraese.control.state import MachineState, three_decimals
+from fraese.phrases import spoken
 from fraese.ui.shape import AxisShape, Shape
 from fraese.ui.widgets.big import AxisNumber
 from fraese.ui.widgets.fact import Fact, Lines
@@ -58,13 +59,15 @@ class AxisRow(Vertical):
         i = self._index
         to_go = state.to_go_mm[i] if state.to_go_mm else 0.0
         known = state.referenced[i]
-        mark = "● ref" if known else "○ NOT REFERENCED"
-        way = [f"to go   {self._short(to_go)}"] if to_go else []
+        mark = spoken("● ref") if known else spoken("○ NOT REFERENCED")
+        way = [spoken("to go   {short}", short=self._short(to_go))] if to_go else []
         return [
-            f"machine {self._short(state.position_mm[i])}",
-            f"offset  {self._short(state.offset_mm[i])}",
+            spoken("machine {short}", short=self._short(state.position_mm[i])),
+            spoken("offset  {short}", short=self._short(state.offset_mm[i])),
             *(way or [mark]),
-            f"{state.position_steps[i]} {self._step_word}s",
+            spoken(
+                "{steps} {step_word}s", steps=state.position_steps[i], step_word=self._step_word
+            ),
         ]
 
     def _short(self, mm: float) -> str:
@@ -75,10 +78,10 @@ class AxisRow(Vertical):
         i = self._index
         low, high, at = state.low_mm[i], state.high_mm[i], state.position_mm[i]
         if not math.isfinite(high - low):
-            return "turns without end: no limits"
+            return spoken("turns without end: no limits")
         if not state.referenced[i]:
             travel = self._axis.with_unit(f"{high - low:g}")
-            return f"travel {travel}, not referenced: no limits"
+            return spoken("travel {travel}, not referenced: no limits", travel=travel)
         low_word, high_word = f"{low:g}".rjust(6), f"{high:g}".ljust(6)
         room = max(8, self._gauge.size.width - len(low_word) - len(high_word) - 4)
         share = min(1.0, max(0.0, (at - low) / (high - low)))

@@ -12,6 +12,7 @@ from textual.app import ComposeResult
 from textual.containers import Container
 
 from fraese.control.state import MachineState
+from fraese.phrases import spoken
 from fraese.ui.programs import Facts, Program, ProgramDesk
 from fraese.ui.widgets.path import PathView
 from fraese.ui.widgets.progress import ProgressPanel, runs_program
@@ -117,7 +118,7 @@ class ProgramPane(Container):
             self.progress.show_job(state, job)
         elif program is None:
             look = self._programs.look
-            name = "reading …" if look is not None and look.busy else "no program"
+            name = spoken("reading …") if look is not None and look.busy else spoken("no program")
             self.progress.show_idle(name, "", state)
         elif program.stage is not None:
             self.progress.show_check(program.name, program.stage.lines, len(program.lines))
@@ -128,8 +129,14 @@ class ProgramPane(Container):
 def _found(facts: Facts | None) -> str:
     """What the last look-through found, in a few words."""
     if facts is None:
-        return "not checked"
+        return spoken("not checked")
     wrong = len(facts.errors) + len(facts.outside)
     if wrong:
-        return f"refused: {wrong} {'line is' if wrong == 1 else 'lines are'} wrong"
-    return f"{clock_words(facts.duration_s)}   {facts.length_mm:.0f} mm   ok"
+        if wrong == 1:
+            return spoken("refused: 1 line is wrong")
+        return spoken("refused: {wrong} lines are wrong", wrong=wrong)
+    return spoken(
+        "{clock_words}   {length_mm:.0f} mm   ok",
+        clock_words=clock_words(facts.duration_s),
+        length_mm=facts.length_mm,
+    )

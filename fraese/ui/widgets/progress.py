@@ -6,6 +6,7 @@ from textual.app import ComposeResult
 from textual.containers import Vertical
 
 from fraese.control.state import JobProgress, MachineState, Status
+from fraese.phrases import shown, spoken
 from fraese.ui.widgets.fact import Fact
 from fraese.ui.widgets.status import clock_words
 
@@ -29,25 +30,28 @@ def times(job: JobProgress, *, waits: bool, now: datetime) -> str:
         waits: nothing moves until a person does something.
         now: by the clock.
     """
-    said = [f"{clock_words(job.elapsed_s)} done"]
+    said = [spoken("{clock_words} done", clock_words=clock_words(job.elapsed_s))]
     if job.left_s is not None:
-        said.append(f"{clock_words(job.left_s)} left")
+        said.append(spoken("{clock_words} left", clock_words=clock_words(job.left_s)))
         if waits:
-            said.append("waits")
+            said.append(spoken("waits"))
         else:
-            said.append(f"ends {now + timedelta(seconds=job.left_s):%H:%M}")
+            said.append(spoken("ends {now:%H:%M}", now=now + timedelta(seconds=job.left_s)))
     return "   ".join(said)
 
 
 def switches(state: MachineState) -> str:
     """Overrides and switches that are not as usual are named; the usual ones too, but the feed."""
-    said = [f"feed {state.override:.0%}", f"rapids {state.rapid_override:.0%}"]
+    said = [
+        spoken("feed {override:.0%}", override=state.override),
+        spoken("rapids {rapid_override:.0%}", rapid_override=state.rapid_override),
+    ]
     said += [
         name
         for name, on in (
-            ("single block", state.single_block),
-            ("M1 stops", state.optional_stop),
-            ("/ left out", state.block_delete),
+            (spoken("single block"), state.single_block),
+            (spoken("M1 stops"), state.optional_stop),
+            (spoken("/ left out"), state.block_delete),
         )
         if on
     ]
@@ -74,7 +78,7 @@ class ProgressPanel(Vertical):
 
     def show_idle(self, name: str, more: str, state: MachineState) -> None:
         """No program runs: which one is loaded, and what is known of it."""
-        self._bar.show(f"{name}   {more}" if more else name)
+        self._bar.show(f"{shown(name)}   {more}" if more else name)
         self._times.show(switches(state), "-weak")
 
     def show_check(self, name: str, lines: int, of_lines: int) -> None:
@@ -86,15 +90,25 @@ class ProgressPanel(Vertical):
             of_lines: lines of the file; 0: not known yet.
         """
         share = lines / of_lines if of_lines else 0.0
-        words = f"line {lines:,} of {of_lines:,}" if of_lines else "reading"
-        self._bar.show(f"checking {self._filled(share, 28)}  {share:4.0%}")
-        self._times.show(f"{name}   {words}", "-weak")
+        words = (
+            spoken("line {lines:,} of {of_lines:,}", lines=lines, of_lines=of_lines)
+            if of_lines
+            else spoken("reading")
+        )
+        self._bar.show(
+            spoken("checking {filled}  {share:4.0%}", filled=self._filled(share, 28), share=share)
+        )
+        self._times.show(f"{shown(name)}   {words}", "-weak")
 
     def show_job(self, state: MachineState, job: JobProgress) -> None:
         """A program runs."""
-        place = f"line {job.line}/{job.lines}" if job.lines else f"line {job.line}"
+        place = (
+            spoken("line {line}/{lines}", line=job.line, lines=job.lines)
+            if job.lines
+            else spoken("line {line}", line=job.line)
+        )
         if job.share is None:
-            self._bar.show(f"{job.name}   {place}")
+            self._bar.show(f"{shown(job.name)}   {place}")
         else:
             self._bar.show(f"{self._filled(job.share, 26)}  {job.share:4.0%}   {place}")
         waits = state.held or bool(state.question)

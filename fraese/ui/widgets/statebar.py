@@ -9,6 +9,7 @@ from textual.content import Content
 from textual.geometry import Size
 
 from fraese.control.state import MachineState, Status, three_decimals
+from fraese.phrases import spoken
 from fraese.ui.shape import Shape
 from fraese.ui.widgets.fact import Fact, Flowing
 from fraese.ui.widgets.glyphs import THIN
@@ -38,30 +39,40 @@ def seen(state: MachineState, stopping: bool) -> Seen:
         stopping: the operator has pressed stop and it still moves.
     """
     closed = state.switch_closed
-    ends = " or ".join(state.ends)
+    ends = spoken(" or ").join(state.ends)
     lacking = _not_referenced(state)
     if state.status is Status.ERROR:
-        number = f"alarm {state.alarm.number}" if state.alarm else ""
-        return Seen(f"ALARM {ends}".rstrip() if state.alarm else "ERROR", "-alarm", number)
+        number = spoken("alarm {number}", number=state.alarm.number) if state.alarm else ""
+        return Seen(
+            spoken("ALARM {ends}", ends=ends).rstrip() if state.alarm else spoken("ERROR"),
+            "-alarm",
+            number,
+        )
     if state.status is Status.RUN:
-        beside = f"SWITCH CLOSED {ends}".rstrip() if closed else lacking
+        beside = spoken("SWITCH CLOSED {ends}", ends=ends).rstrip() if closed else lacking
         if stopping:
-            return Seen("STOPPING", "-warn", beside)
+            return Seen(spoken("STOPPING"), "-warn", beside)
         if state.question:
-            return Seen("WAIT", "-warn", beside)
-        return Seen("HOLD", "-warn", beside) if state.held else Seen("MOVING", "-run", beside)
+            return Seen(spoken("WAIT"), "-warn", beside)
+        return (
+            Seen(spoken("HOLD"), "-warn", beside)
+            if state.held
+            else Seen(spoken("MOVING"), "-run", beside)
+        )
     if closed:
-        return Seen("SWITCH CLOSED", "-alarm", ends + ("?" if len(state.ends) > 1 else ""))
+        return Seen(spoken("SWITCH CLOSED"), "-alarm", ends + ("?" if len(state.ends) > 1 else ""))
     if lacking:
-        return Seen("NOT REFERENCED", "-warn", lacking.removeprefix("NOT REFERENCED "))
-    return Seen("READY", "-good")
+        return Seen(
+            spoken("NOT REFERENCED"), "-warn", lacking.removeprefix(spoken("NOT REFERENCED "))
+        )
+    return Seen(spoken("READY"), "-good")
 
 
 def _not_referenced(state: MachineState) -> str:
     names = [
         name.upper() for name, known in zip(state.axes, state.referenced, strict=True) if not known
     ]
-    return f"NOT REFERENCED {' '.join(names)}: no limits" if names else ""
+    return spoken("NOT REFERENCED {names}: no limits", names=" ".join(names)) if names else ""
 
 
 class BigWord(Fact):
@@ -90,7 +101,7 @@ class StateBar(Horizontal):
 
     def __init__(self) -> None:
         super().__init__(id="state")
-        self._word = BigWord("READY", id="word")
+        self._word = BigWord(spoken("READY"), id="word")
         self._beside = Fact("", id="beside")
 
     def compose(self) -> ComposeResult:
@@ -119,7 +130,7 @@ class FactsLine(Horizontal):
         self._shape = shape
         self._at = Flowing("", id="at")
         self._work = Flowing("", id="work")
-        self._switch = Fact("switch open", id="switch")
+        self._switch = Fact(spoken("switch open"), id="switch")
         self._ignored = Fact("", id="ignored")
         self._feed = Fact("", id="feed")
         self._motors = Fact("", id="motors")
@@ -147,17 +158,28 @@ class FactsLine(Horizontal):
         self._work.show(state.work.words() or state.work.system)
         self._switch.show(switch_words(state), "-alarm" if state.switch_closed else "-weak")
         self._ignored.show(
-            "SWITCHES IGNORED" if state.switch_ignored else "",
+            spoken("SWITCHES IGNORED") if state.switch_ignored else "",
             "-alarm" if state.switch_ignored else "",
         )
         moving = state.running and state.speed_mm_min > 0
-        speed = f"{state.speed_mm_min:.0f} {state.speed_unit}/min" if moving else "standing"
+        speed = (
+            spoken(
+                "{speed_mm_min:.0f} {speed_unit}/min",
+                speed_mm_min=state.speed_mm_min,
+                speed_unit=state.speed_unit,
+            )
+            if moving
+            else spoken("standing")
+        )
         override = "" if state.override == 1 else f"{state.override:.0%}  "
         self._feed.show(override + speed)
         self._motors.show(
-            "motors on" if state.energised else "motors off", "" if state.energised else "-weak"
+            spoken("motors on") if state.energised else spoken("motors off"),
+            "" if state.energised else "-weak",
         )
-        self._log.show("log on" if state.log_on else "log off", "" if state.log_on else "-weak")
+        self._log.show(
+            spoken("log on") if state.log_on else spoken("log off"), "" if state.log_on else "-weak"
+        )
 
 
 class Top(Vertical):

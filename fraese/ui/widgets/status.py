@@ -6,6 +6,7 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal
 
 from fraese.control.state import JobProgress, MachineState, Status
+from fraese.phrases import shown, spoken
 from fraese.ui.keyrows import Row
 from fraese.ui.widgets.fact import Fact
 from fraese.ui.widgets.links import Link
@@ -15,21 +16,27 @@ from fraese.ui.widths import Width
 def switch_words(state: MachineState) -> str:
     """The end switch with its name; several candidates are a question."""
     if not state.switch_closed:
-        return "switch open"
-    ends = " or ".join(state.ends)
+        return spoken("switch open")
+    ends = spoken(" or ").join(state.ends)
     if not ends:
-        return "switch ?"
-    return "switch " + ends + ("?" if len(state.ends) > 1 else "")
+        return spoken("switch ?")
+    return spoken("switch {ends}", ends=ends + ("?" if len(state.ends) > 1 else ""))
 
 
 def lost_words(state: MachineState) -> str:
     """What motors of a simulated mill did not follow, how far, and why; empty if nothing."""
     lost = [
-        f"{name.upper()} {abs(steps):g} {state.step_word}s ({why})"
+        spoken(
+            "{axis} {steps:g} {step_word}s ({why})",
+            axis=name.upper(),
+            steps=abs(steps),
+            step_word=state.step_word,
+            why=why,
+        )
         for name, steps, why in zip(state.axes, state.lost_steps, state.lost_why, strict=False)
         if why
     ]
-    return "LOST STEPS  " + ", ".join(lost) if lost else ""
+    return spoken("LOST STEPS  ") + ", ".join(lost) if lost else ""
 
 
 def clock_words(seconds: float) -> str:
@@ -63,7 +70,7 @@ class WidthBar(Horizontal):
 
     def compose(self) -> ComposeResult:
         """Heading, widths, and the factor of the repeat rule."""
-        yield Fact("jog", classes="heading")
+        yield Fact(spoken("jog"), classes="heading")
         yield from self._links
         yield self._note
 
@@ -95,7 +102,9 @@ class JobLine(Fact):
 
     def __init__(self, acknowledge_key: str) -> None:
         super().__init__(id="job")
-        self._error = f"Press {acknowledge_key} to acknowledge the error."
+        self._error = spoken(
+            "Press {acknowledge_key} to acknowledge the error.", acknowledge_key=acknowledge_key
+        )
 
     def show_job(self, state: MachineState, waiting: Sequence[tuple[str, int]] = ()) -> None:
         """Draw what changed; empty between jobs.
@@ -110,13 +119,13 @@ class JobLine(Fact):
         running = state.status is Status.RUN and state.job is not None
         words = self._words(state.job) if running and state.job else ""
         if waiting:
-            words += f"  waiting: {waiting_words(waiting)}"
+            words += spoken("  waiting: {waiting_words}", waiting_words=waiting_words(waiting))
         self.show(words.strip())
 
     def _words(self, job: JobProgress) -> str:
-        parts = [job.name]
+        parts = [shown(job.name)]
         if job.lines:
-            parts.append(f"line {job.line}/{job.lines}")
+            parts.append(spoken("line {line}/{lines}", line=job.line, lines=job.lines))
         share = _share(job)
         if share is not None:
             parts.append(self._bar(share))
