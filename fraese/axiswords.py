@@ -16,6 +16,8 @@ _WORD: Final = re.compile(
     r"([a-z])\s*=?\s*([-+]?(?:\d+[.,]?\d*|[.,]\d+))(?![.,]*\d)\s*", re.IGNORECASE
 )
 _FEED: Final = "f"
+#: A remark, or a comma between digits.
+_COMMA: Final = re.compile(r"(\([^)]*\)?|;.*)|(?<=\d),(?=\d)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +100,11 @@ def listed(axes: Sequence[str]) -> str:
     """Axis names in words: X, Y and Z."""
     *others, last = (name.upper() for name in axes)
     return phrase("{others} and {last}", others=", ".join(others), last=last) if others else last
+
+
+def with_points(line: str) -> str:
+    """A typed line of G-code with its decimal commas made points; remarks stay as they are."""
+    return _COMMA.sub(lambda found: found[1] or ".", line)
 
 
 def _values(text: str, axes: Sequence[str], *, feed: bool) -> dict[str, float]:

@@ -178,7 +178,11 @@ def _simple(value: object) -> object:
 
 # --- where phrases leave the program -----------------------------------------------------------
 
+#: Languages in which 10,5 is a number.
+_WITH_COMMA: Final = frozenset({"de"})
+
 _catalogue: Catalogue | None = None
+_language = ENGLISH
 
 
 def speak(language: str) -> None:
@@ -187,7 +191,8 @@ def speak(language: str) -> None:
     Args:
         language: a code of ``LANGUAGES``.
     """
-    global _catalogue
+    global _catalogue, _language
+    _language = language
     _catalogue = None if language == ENGLISH else read_catalogue(language)
 
 
@@ -198,6 +203,11 @@ def shown(text: str) -> str:
     if isinstance(text, Phrase):
         return text.in_language(_catalogue)
     return _catalogue.get(text, text)
+
+
+def comma_is_decimal() -> bool:
+    """A person who writes this language types 10,5, also where G-code wants 10.5."""
+    return _language in _WITH_COMMA
 
 
 def spoken(template: str, /, **parameters: object) -> str:

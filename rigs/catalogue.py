@@ -19,6 +19,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
+import typer
+
+from fraese.cli import app
 from fraese.phrases import ENGLISH, LANGUAGES, catalogue_path, parsed
 from fraese.ui import keyrows
 from fraese.ui.keyrows import Row
@@ -58,11 +61,25 @@ def sentences() -> dict[str, str]:
     for path in sorted({*HOUSE.rglob("*.py")} - {HOUSE / "phrases.py"}):
         for template in literals(ast.parse(path.read_text("utf-8"))):
             found.setdefault(template, path.relative_to(HOUSE).as_posix())
+    for words, file in _helps():
+        found.setdefault(words, file)
     for words, file in _rows():
         found.setdefault(words, file)
     for number in _REASONS:
         found.setdefault(os.strerror(number), "")
     return found
+
+
+def _helps() -> Iterator[tuple[str, str]]:
+    """What commands say of themselves and of their options, and their files."""
+
+    def below(command: Any) -> Iterator[tuple[str, str]]:
+        texts = [command.help, *(getattr(each, "help", None) for each in command.params)]
+        yield from ((text, "cli") for text in texts if text)
+        for inner in getattr(command, "commands", {}).values():
+            yield from below(inner)
+
+    return below(typer.main.get_command(app))
 
 
 def _rows() -> Iterator[tuple[str, str]]:

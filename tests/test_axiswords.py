@@ -1,8 +1,10 @@
 """Axis words: one reader for the command line and the app."""
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from fraese.axiswords import axes_named, axis_words, listed, target
+from fraese.axiswords import axes_named, axis_words, listed, target, with_points
 from fraese.errors import UsageError
 
 AXES = ("x", "y", "z")
@@ -64,3 +66,13 @@ def test_which_letters_there_are_is_the_machines_affair() -> None:
     with pytest.raises(UsageError, match="There is no axis Q; this machine has X"):
         axes_named(["xq"], ("x",))
     assert listed(["x"]) == "X"
+
+
+@given(st.integers(-999, 999), st.integers(0, 999), st.text("abc (),;1"))
+def test_only_commas_of_numbers_become_points(whole: int, rest: int, remark: str) -> None:
+    line = f"G1 X{whole},{rest} Y5 (about 1,5) ;{remark} 1,5"
+    assert with_points(line) == f"G1 X{whole}.{rest} Y5 (about 1,5) ;{remark} 1,5"
+
+
+def test_what_is_no_number_keeps_its_comma() -> None:
+    assert with_points("X1, Y2 ,5 a,b") == "X1, Y2 ,5 a,b"

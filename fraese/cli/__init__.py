@@ -24,7 +24,7 @@ from fraese.cli import (
     x4step,
 )
 from fraese.cli.departure import Closing, Departure, in_background, left_at_once
-from fraese.cli.language import LanguageOption, as_the_system
+from fraese.cli.language import LanguageOption, as_the_system, named_in, translated
 from fraese.cli.output import note, open_standard_files
 from fraese.cli.session import AfterMotion
 from fraese.cli.shared import ConfigOption, Drive, FreshOption, StateOption, TraceOption, leave
@@ -173,5 +173,6 @@ def _close_moved(plant: Plant, closing: Closing) -> None:
 def main() -> None:
     """Entry point."""
     open_standard_files()
+    named_in(sys.argv[1:])
     as_the_system()
-    app()
+    translated(typer.main.get_command(app))()

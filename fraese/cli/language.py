@@ -5,19 +5,42 @@ Rule 1: what is said in front of the command counts, then ``FRAESE_LANGUAGE``, t
 """
 
 import os
+from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from fraese.config import file as configuration
 from fraese.config.config import Config
-from fraese.phrases import LANGUAGE_VARIABLE, LANGUAGES, phrase, speak, wanted_language
+from fraese.phrases import LANGUAGE_VARIABLE, LANGUAGES, phrase, shown, speak, wanted_language
 
 
 def as_the_system() -> None:
     """Before anything is known of a configuration."""
     speak(wanted_language(os.environ))
+
+
+def named_in(words: Sequence[str]) -> None:
+    """Take the language from a command line before it is read: its help is in that language too."""
+    for word, following in pairwise((*words, "")):
+        name, _, value = word.partition("=")
+        language = value or following
+        if name == "--language" and language in LANGUAGES:
+            os.environ[LANGUAGE_VARIABLE] = language
+
+
+def translated(command: Any) -> Any:
+    """A command with its help, and that of all below it, as its reader wants it."""
+    command.help = command.help and shown(command.help)
+    for parameter in command.params:
+        help_ = getattr(parameter, "help", None)
+        if help_:
+            parameter.help = shown(help_)
+    for inner in getattr(command, "commands", {}).values():
+        translated(inner)
+    return command
 
 
 def load(named: Path | None) -> Config:

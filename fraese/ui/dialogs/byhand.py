@@ -6,11 +6,11 @@ from typing import Final
 
 from textual.app import ComposeResult
 
-from fraese.axiswords import axis_words, target
+from fraese.axiswords import axis_words, target, with_points
 from fraese.control.controller import Controller
 from fraese.control.workcommands import select_system, store_system, systems
 from fraese.errors import UsageError
-from fraese.phrases import spoken
+from fraese.phrases import comma_is_decimal, spoken
 from fraese.ui.dialogs.line import Command, LineDialog
 from fraese.ui.handtools import HandTools
 from fraese.ui.keyrows import Area, KeyTable
@@ -43,7 +43,8 @@ class TypedDialog(LineDialog):
         try:
             there = target(line, self.link.shape.names)
         except UsageError:
-            return lambda controller: self._tools.typed(controller, line)
+            typed = with_points(line) if comma_is_decimal() else line
+            return lambda controller: self._tools.typed(controller, typed)
         return lambda controller: controller.move_to(
             there.targets_mm, feed_mm_min=there.feed_mm_min
         )

@@ -76,7 +76,7 @@ class CalibrateView(View):
             with Vertical(id="routines"):
                 yield self._axes
                 for row in ROUTINE_ROWS:
-                    yield Link(row.action, self._key(row.action), row.title)
+                    yield Link(row.action, self._key(row.action), shown(row.title))
                 yield self._tried
             with VerticalScroll(id="found", can_focus=False):
                 yield self._title
