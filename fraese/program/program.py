@@ -215,10 +215,8 @@ class Program:
             else None,
             note=JobNote(self.name, self.content_hash, begun.found, translation).at,
         )
-        if news or unkept:
-            controller.say(
-                joined(" ", [text for text in (news and news + _AS_OPENED, unkept) if text])
-            )
+        if said := [text for text in (news and news + _AS_OPENED, unkept) if text]:
+            controller.say(joined(" ", said))
 
     def _keep(self) -> str:
         """Keep a copy for later; why not, a sentence."""
