@@ -136,10 +136,13 @@ def phrase(template: str, /, **parameters: object) -> Phrase:
 
     Args:
         template: English, a literal: catalogues are made of the literals that stand here.
-        parameters: by the names in the template's braces.
+        parameters: by the names in the template's braces; what is no number and has no format is
+            kept as its text.
     """
     kept = {
-        name: value if isinstance(value, str | Number | None) else str(value)
+        name: value
+        if isinstance(value, str | Number | None) or f"{{{name}:" in template
+        else str(value)
         for name, value in parameters.items()
     }
     return Phrase(template.format_map(kept), template, kept)

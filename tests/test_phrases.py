@@ -4,6 +4,7 @@ import ast
 import copy
 import pickle
 from collections.abc import Iterator
+from datetime import datetime
 from pathlib import Path
 
 import pytest
@@ -75,6 +76,11 @@ def test_a_parameter_may_be_any_text(name: str, braces: str) -> None:
     assert said == f"{name}: there is no such configuration file.{braces}"
     catalogue = {"{named}: there is no such configuration file.": "{named} fehlt."}
     assert said.in_language(catalogue) == f"{name} fehlt.{braces}"
+
+
+def test_a_parameter_with_a_format_is_no_text_yet() -> None:
+    at = datetime(2026, 11, 29, 16, 5)
+    assert phrase("ends {at:%H:%M} in {path}", at=at, path=Path("a")) == "ends 16:05 in a"
 
 
 def test_it_survives_copies_and_other_processes() -> None:

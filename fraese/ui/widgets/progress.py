@@ -36,7 +36,8 @@ def times(job: JobProgress, *, waits: bool, now: datetime) -> str:
         if waits:
             said.append(spoken("waits"))
         else:
-            said.append(spoken("ends {now:%H:%M}", now=now + timedelta(seconds=job.left_s)))
+            end = now + timedelta(seconds=job.left_s)
+            said.append(spoken("ends {clock}", clock=f"{end:%H:%M}"))
     return "   ".join(said)
 
 
