@@ -25,7 +25,7 @@ from typing import Final
 from fraese.assembly import Plant, assemble
 from fraese.config import Config
 from fraese.control.state import Status
-from fraese.program import open_program
+from fraese.program.program import open_program
 
 _PARTS: Final = 20
 _MOST_GROWTH_KB: Final = 2048

@@ -20,7 +20,7 @@ from fraese.journal import Journal, machine_file
 from fraese.motor.ports.recorder import Recorder
 from fraese.motor.ports.sim import Sight, SimulatedMill
 from fraese.motor.seams import End
-from fraese.program import Program, open_program
+from fraese.program.program import Program, open_program
 
 AXES = "xyz"
 NOBODY = 65534

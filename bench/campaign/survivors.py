@@ -93,7 +93,7 @@ def _asked(stack: Stack, before: Sequence[float], attempt: Attempt) -> Outcome:
     since_s = time.monotonic()
     answer = stack.run("move", "X0", "--relative", "--json")
     took_s = time.monotonic() - since_s
-    assert answer.returncode == 0, answer.stderr
+    assert answer.returncode == 0, answer.stderr + answer.stdout
     made = [b - a for a, b in zip(before, stack.mill.carriages_steps(), strict=True)]
     claim = claim_of(Answer(0, answer.stdout, answer.stderr))
     true_steps = tuple(round(steps) for steps in made)

@@ -19,7 +19,7 @@ from fraese.motor.ports.null import NullPort
 from fraese.motor.realtime.driver import RealtimeDriver
 from fraese.motor.realtime.setup import Meter, Setup
 from fraese.motor.seams import CONTROL
-from fraese.program import open_program
+from fraese.program.program import open_program
 from fraese.ui import FraeseApp
 
 RATE_HZ = 5000

@@ -7,8 +7,9 @@ from typing import Annotated
 import typer
 
 from fraese.alarms import ALARMS, BY_NUMBER, AlarmKind
+from fraese.cli.leaving import leave
+from fraese.cli.options import JsonOption
 from fraese.cli.output import say
-from fraese.cli.shared import JsonOption, leave
 from fraese.errors import UsageError
 from fraese.phrases import phrase, shown
 

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 
 from fraese.assembly import assemble
 from fraese.cli import language
+from fraese.cli.leaving import leave
+from fraese.cli.options import ConfigOption
 from fraese.cli.output import write
-from fraese.cli.shared import ConfigOption, leave
 from fraese.config import Config
 from fraese.config import file as configuration
 from fraese.control.controller import Controller

@@ -8,16 +8,10 @@ import typer
 
 from fraese.assembly.drivers import ClockName
 from fraese.cli import language
+from fraese.cli.leaving import leave
+from fraese.cli.options import VALUES, ConfigOption, KeysOption, RealTimeOption, TraceOption
 from fraese.cli.output import tell
-from fraese.cli.shared import (
-    MOTORS_OFF,
-    VALUES,
-    ConfigOption,
-    KeysOption,
-    RealTimeOption,
-    TraceOption,
-    leave,
-)
+from fraese.cli.shared import MOTORS_OFF
 from fraese.errors import PortError, UsageError
 from fraese.phrases import phrase
 from fraese.x4step import X4Init, X4NoErr, X4ReInit

@@ -20,8 +20,10 @@ from fraese.assembly.cards import CARDS
 from fraese.assembly.drivers import planned_driver
 from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece, accel_q_from_hz_s, rate_q8_from_hz
 from fraese.cli import language
+from fraese.cli.leaving import leave
+from fraese.cli.options import ConfigOption, JsonOption, TraceOption
 from fraese.cli.output import note, say
-from fraese.cli.shared import MOTORS_OFF, ConfigOption, JsonOption, TraceOption, leave
+from fraese.cli.shared import MOTORS_OFF
 from fraese.config import Config
 from fraese.errors import PortError, UsageError
 from fraese.motor.bridge.codec import Hello, frame

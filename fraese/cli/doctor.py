@@ -10,8 +10,9 @@ import typer
 
 from fraese.cli import language
 from fraese.cli.histogram import histogram
+from fraese.cli.leaving import leave
+from fraese.cli.options import ConfigOption, JsonOption
 from fraese.cli.output import note, say
-from fraese.cli.shared import ConfigOption, JsonOption, leave
 from fraese.errors import UsageError
 from fraese.phrases import phrase, shown
 

@@ -8,8 +8,10 @@ import typer
 from fraese.assembly import assemble
 from fraese.assembly.misfits import described
 from fraese.cli import appkeys, language
+from fraese.cli.leaving import leave
+from fraese.cli.options import ConfigOption, FileArgument
 from fraese.cli.output import note, say, write
-from fraese.cli.shared import ConfigOption, FileArgument, StartingPlace, leave, with_options
+from fraese.cli.shared import StartingPlace, with_options
 from fraese.config import file as configuration
 from fraese.errors import ProgramError, UsageError, placed
 from fraese.gcode.jsonl import as_dict
@@ -54,7 +56,7 @@ def check(
 def _looked_through(file: Path, context: ProgramContext) -> Facts:
     """What is known of a file; that there is nothing to read is known, too."""
     try:
-        return check_program(take_program(file), context)
+        return check_program(take_program(file), context, draw=False)
     except ProgramError as error:
         return Facts.refused(error.message)
 

@@ -8,13 +8,14 @@ import os
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fraese.config import file as configuration
-from fraese.config.config import Config
 from fraese.phrases import LANGUAGE_VARIABLE, LANGUAGES, phrase, shown, speak, wanted_language
+
+if TYPE_CHECKING:
+    from fraese.config.config import Config
 
 
 def as_the_system() -> None:
@@ -43,12 +44,15 @@ def translated(command: Any) -> Any:
     return command
 
 
-def load(named: Path | None) -> Config:
+def load(named: Path | None) -> "Config":
     """The configuration; from now on its language, if nobody said otherwise.
 
     Raises:
         ConfigError: one sentence with file, key and what would be right.
     """
+    # Commands that need none do not pay for it.
+    from fraese.config import file as configuration
+
     config = configuration.load(named)
     speak(wanted_language(os.environ, config.language))
     return config

@@ -6,25 +6,20 @@ from typing import Annotated
 import typer
 
 from fraese.axiswords import axes_named, axis_words, target
+from fraese.cli.leaving import leave
+from fraese.cli.options import VALUES, FileArgument
 from fraese.cli.output import note
 from fraese.cli.session import watch_switches
-from fraese.cli.shared import (
-    VALUES,
-    Drive,
-    FileArgument,
-    Place,
-    StartingPlace,
-    leave,
-    with_options,
-)
+from fraese.cli.shared import Drive, Place, StartingPlace, with_options
 from fraese.control.asleft import take_as_left
 from fraese.control.controller import Controller
 from fraese.errors import Cancelled, UsageError
 from fraese.phrases import phrase
-from fraese.program import Resumption, open_program
 from fraese.program.context import ProgramContext
 from fraese.program.interrupted import cut_short
 from fraese.program.kept import KeptPrograms
+from fraese.program.program import open_program
+from fraese.program.resumption import Resumption
 
 FeedOption = Annotated[
     float | None,
@@ -51,7 +46,7 @@ def run(
     """Run a program: G-code, or a list of coordinates."""
 
     def action(controller: Controller) -> None:
-        program = open_program(file, kept=KeptPrograms(on.folder))
+        program = open_program(file, kept=KeptPrograms(on.folder), drawn=False)
         facts = None if stream else program.check(controller, plan=sys.stderr.isatty())
         if from_line > 1:
             _announce(program.way_from(controller, from_line), yes)
@@ -189,7 +184,7 @@ def frame(
     on: Drive,
 ) -> None:
     """Drive round the bounding box of a program, at a safe height."""
-    on.do(lambda controller: open_program(file).drive_frame(controller))
+    on.do(lambda controller: open_program(file, drawn=False).drive_frame(controller))
 
 
 @app.command()

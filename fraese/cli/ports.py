@@ -6,8 +6,9 @@ from typing import Final
 
 import typer
 
+from fraese.cli.leaving import leave
+from fraese.cli.options import JsonOption
 from fraese.cli.output import say
-from fraese.cli.shared import JsonOption, leave
 from fraese.motor.bridge.line import SerialPort, serial_ports
 from fraese.phrases import phrase
 

@@ -9,8 +9,9 @@ from typing import Final
 import typer
 
 from fraese.cli import language
+from fraese.cli.leaving import leave
+from fraese.cli.options import ConfigOption, KeysOption
 from fraese.cli.output import tell
-from fraese.cli.shared import ConfigOption, KeysOption, leave
 from fraese.errors import StateError
 from fraese.phrases import phrase
 from fraese.x4step.codes import ESC_CODE

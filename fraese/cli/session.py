@@ -16,16 +16,16 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from fraese.alarms import AlarmKind, Trust
 from fraese.assembly import Plant
 from fraese.cli.byhand import HINT, by_hand
 from fraese.cli.departure import Departure
+from fraese.cli.leaving import AfterMotion, alarm_result, with_advice
 from fraese.cli.output import note, result, say, show_progress, tell, wipe_progress
 from fraese.control.controller import Controller
 from fraese.control.position import Position
 from fraese.control.state import MachineState, Status, three_decimals
 from fraese.control.switchtest import SwitchTest
-from fraese.errors import Alarm, Cancelled, FraeseError
+from fraese.errors import Cancelled, FraeseError
 from fraese.phrases import joined, phrase
 from fraese.signalwatch import watched
 
@@ -41,18 +41,6 @@ _SAID: Final = {
 _EXIT_CODES: Final = {Status.OK: 0, Status.ERROR: 1, Status.CANCEL: Cancelled.exit_code}
 _PROGRESS_EVERY_S: Final = 0.1
 _LOOK_EVERY_S: Final = 0.05
-
-
-class AfterMotion(FraeseError):
-    """What would have been a refusal, had the machine not moved before.
-
-    Args:
-        cause: what was raised.
-    """
-
-    def __init__(self, cause: FraeseError) -> None:
-        super().__init__(str(cause))
-        self.cause = cause
 
 
 class Session:
@@ -145,7 +133,7 @@ class Session:
         if state.message != self._told:
             note(state.message)
         if state.alarm is not None:
-            note(_with_advice(state.alarm))
+            note(with_advice(state.alarm))
         where = self._controller.machine.in_words(state.work_mm)
         in_force = state.work.words()
         sentence = joined(
@@ -186,7 +174,7 @@ class Session:
             "carriages_mm": if_seen(state.carriages_mm),
             "lost_steps": if_seen(state.lost_steps),
             "lost_why": if_seen(state.lost_why),
-            **_alarm_result(self._controller.error),
+            **alarm_result(self._controller.error),
             **self._trace_result(),
             **self._more,
         }
@@ -330,14 +318,6 @@ def _look_once(controller: Controller, *, as_json: bool) -> int:
     return 0
 
 
-def _alarm_result(error: FraeseError | None) -> dict[str, Any]:
-    return {"alarm": error.as_dict()} if isinstance(error, Alarm) else {}
-
-
-def _with_advice(kind: AlarmKind) -> str:
-    return phrase("Alarm {number}. {advice}", number=kind.number, advice=kind.advice())
-
-
 def _doubt_result(where: Position) -> dict[str, Any] | None:
     """Why the position may be another one, and between which places it is, if that is known."""
     doubt = where.doubt
@@ -350,18 +330,3 @@ def _doubt_result(where: Position) -> dict[str, Any] | None:
         "low_steps": low and dict(zip(names, low, strict=True)),
         "high_steps": high and dict(zip(names, high, strict=True)),
     }
-
-
-def refuse(error: FraeseError, *, as_json: bool) -> int:
-    """Say why nothing was done, or no more was done; the exit code."""
-    words = {Cancelled: "cancelled", AfterMotion: "alarm"}
-    cause = error.cause if isinstance(error, AfterMotion) else error
-    if as_json:
-        word = words.get(type(error), "refused")
-        said = {"message": str(error), **cause.details()}
-        result(json.dumps({"status": word, **said, **_alarm_result(cause)}))
-    note("fraese: " + str(error).rstrip(".") + ".")
-    # Where nothing has moved, the sentence says what to do.
-    if isinstance(cause, Alarm) and cause.kind.trust is not Trust.UNMOVED:
-        note(_with_advice(cause.kind))
-    return error.exit_code

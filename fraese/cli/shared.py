@@ -1,24 +1,20 @@
-"""What commands share: their options, a machine to work on, and one way to leave.
+"""What commands share that work on a machine.
 
-Rule 1: a command says which options it shares by the type of its parameter ``on``; ``with_options``
-        shows their fields to typer as options of their own:
+A command says which options it shares by the type of its parameter ``on``; ``with_options``
+shows their fields to typer as options of their own:
 
-            Place          --config --json --state
-            StartingPlace  ... and --fresh
-            Drive          ... and --real-time --trace
-
-Rule 2: a command leaves with an exit code; whatever is refused is one sentence, never a traceback.
+    Place          --config --json --state
+    StartingPlace  ... and --fresh
+    Drive          ... and --real-time --trace
 """
 
-import contextlib
 import dataclasses
 import functools
 import inspect
-import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final, cast, get_type_hints
+from typing import Any, Final, cast, get_type_hints
 
 import typer
 
@@ -26,51 +22,20 @@ from fraese.assembly import Plant, assemble, state_folder
 from fraese.assembly.drivers import ClockName
 from fraese.cli import language
 from fraese.cli.departure import Departure
-from fraese.cli.output import flush, note, settle
-from fraese.cli.session import More, Session, refuse
+from fraese.cli.leaving import leave
+from fraese.cli.options import (
+    ConfigOption,
+    FreshOption,
+    JsonOption,
+    RealTimeOption,
+    StateOption,
+    TraceOption,
+)
+from fraese.cli.output import note
+from fraese.cli.session import More, Session
 from fraese.control.controller import Controller
-from fraese.errors import Cancelled, FraeseError, OutputError
-from fraese.log import write
+from fraese.errors import Cancelled, FraeseError
 from fraese.phrases import phrase
-
-ConfigOption = Annotated[
-    Path | None,
-    typer.Option(
-        "--config", metavar="FILE", help="Configuration file; else ./fraese.toml, else the user's."
-    ),
-]
-JsonOption = Annotated[
-    bool, typer.Option("--json", help="Result as one JSON object on the last line.")
-]
-StateOption = Annotated[
-    Path | None,
-    typer.Option("--state", metavar="DIR", help="Folder in which the machine's state is kept."),
-]
-FreshOption = Annotated[bool, typer.Option("--fresh", help="Forget the state that was kept.")]
-TraceOption = Annotated[
-    Path | None,
-    typer.Option(
-        "--trace", metavar="FILE.vcd", help="Write a waveform of all lines, for fraese trace."
-    ),
-]
-RealTimeOption = Annotated[
-    bool, typer.Option("--real-time", help="Let the simulated mill take its time.")
-]
-KeysOption = Annotated[
-    str | None,
-    typer.Option(
-        "--keys",
-        metavar="SOURCE",
-        help=(
-            "Where keys come from: auto, kitty, plain, evdev, or evdev:/dev/input/event3; "
-            "else as configured."
-        ),
-    ),
-]
-FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Program or coordinate list.")]
-
-#: Words such as -1.5 or X-3 are values here, not options.
-VALUES: Final = {"ignore_unknown_options": True}
 
 #: What is said of Ctrl-C by a command that moves something without a job.
 MOTORS_OFF: Final = phrase("Cancelled; the motors are off.")
@@ -176,45 +141,3 @@ def with_options(function: Callable[..., None]) -> Callable[..., None]:
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     command.__annotations__ = {each.name: each.annotation for each in parameters}
     return command
-
-
-def leave(
-    action: Callable[[], int],
-    as_json: bool = False,
-    cancelled: str = phrase("Cancelled before anything moved."),
-) -> None:
-    """Leave with an exit code; whatever is refused is one sentence.
-
-    Args:
-        action: what the command does.
-        as_json: the sentence is a JSON object.
-        cancelled: what is true if Ctrl-C ends it.
-    """
-    code = _carried_out(action, as_json, cancelled)
-    with contextlib.suppress(KeyboardInterrupt):
-        settle()
-    raise typer.Exit(code)
-
-
-def _carried_out(action: Callable[[], int], as_json: bool, cancelled: str) -> int:
-    try:
-        code = action()
-        try:
-            flush()
-        except OutputError as error:
-            return code or refuse(error, as_json=False)
-        return code
-    except FraeseError as error:
-        return refuse(error, as_json=as_json)
-    except (KeyboardInterrupt, typer.Abort):
-        return refuse(Cancelled(cancelled), as_json=as_json)
-    except BrokenPipeError:
-        # Whoever read the output has seen enough; what was done was done.
-        return 0
-    except Exception as error:
-        for line in traceback.format_exc().splitlines():
-            write("cli", action.__qualname__, "error", line)
-        note(
-            phrase("fraese: stopped by an error in the program itself: {error}.", error=repr(error))
-        )
-        return 1

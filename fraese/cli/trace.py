@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from fraese.cli.leaving import leave
+from fraese.cli.options import JsonOption
 from fraese.cli.output import note, say, write
-from fraese.cli.shared import JsonOption, leave
 from fraese.errors import TraceError, UsageError
 from fraese.phrases import phrase, reason
 from fraese.plaintext import plain

@@ -7,8 +7,8 @@ from typing import Annotated
 import typer
 
 from fraese import x4step
+from fraese.cli.leaving import leave
 from fraese.cli.output import say
-from fraese.cli.shared import leave
 from fraese.errors import UsageError
 from fraese.phrases import phrase
 

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
 import platformdirs
-import tomlkit
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
@@ -275,7 +274,7 @@ def _entry(key: str, value: Any, annotation: Any) -> str:
         return f"#{key} = {_example(annotation)}"
     if isinstance(value, Decimal):
         return f"{key} = {value}"
-    return f"{key} = {tomlkit.item(value).as_string()}"
+    return f"{key} = {_as_toml(value)}"
 
 
 def _example_table(path: str, annotation: Any) -> list[str]:
@@ -294,7 +293,7 @@ def _example_table(path: str, annotation: Any) -> list[str]:
 def _example(annotation: Any) -> str:
     """A value for a key that has none by default."""
     if choices := _literals(annotation):
-        return str(tomlkit.item(choices[-1]).as_string())
+        return _as_toml(choices[-1])
     kinds = get_args(annotation)
     if any(get_origin(kind) is tuple for kind in kinds):
         return '["z", "x", "y"]'
@@ -330,3 +329,9 @@ def _bounds(metadata: list[Any]) -> str:
         if getattr(item, name, None) is not None
     ]
     return f" ({', '.join(found)})" if found else ""
+
+
+def _as_toml(value: Any) -> str:
+    import tomlkit  # Nobody needs it who only reads.
+
+    return str(tomlkit.item(value).as_string())

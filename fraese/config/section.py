@@ -28,7 +28,8 @@ class Section(BaseModel):
 
     in_one_line: ClassVar[str] = "{}"
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    # Checkers are built when something is checked: that of the whole file has those of its tables.
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
     @field_validator("*", mode="before")
     @classmethod

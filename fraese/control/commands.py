@@ -11,11 +11,11 @@ from typing import Final
 
 from fraese.config import Config
 from fraese.control import lines, softlimits
+from fraese.control.about import BY_HAND, PLAIN, About
 from fraese.control.endswitches import EndSwitches
 from fraese.control.homing import Homing, chosen
-from fraese.control.jobs import Job, Note, Plan
+from fraese.control.jobs import Job
 from fraese.control.position import Position
-from fraese.control.retract import Detour
 from fraese.control.runloop import RunLoop
 from fraese.errors import LimitError, StateError
 from fraese.log import logged
@@ -38,17 +38,7 @@ class Commands:
     _loop: RunLoop
 
     @abstractmethod
-    def start(
-        self,
-        name: str,
-        job: Job,
-        lines: int = 0,
-        expected_s: float = 0.0,
-        detour: Detour | None = None,
-        note: Note | None = None,
-        plan: Plan | None = None,
-        guest: bool = False,
-    ) -> None:
+    def start(self, name: str, job: Job, about: About = PLAIN) -> None:
         """Take up a job."""
 
     @abstractmethod
@@ -82,7 +72,7 @@ class Commands:
         target = softlimits.jog_target(where, motor, distance_steps, config.max_mm, clamp=clamp)
         watch = self.switches.watch_for_jog(motor, distance_steps)
         line = lines.line_to(where, target, config.feed_mm_min, watch)
-        self.start(phrase("jog {axis}", axis=axis.upper()), line, guest=True)
+        self.start(phrase("jog {axis}", axis=axis.upper()), line, BY_HAND)
 
     @logged
     def move_to(
@@ -113,7 +103,7 @@ class Commands:
         )
         self.check_moves([target])
         here = self.position.position_steps
-        self.start(phrase("move"), lines.line_to(self.position, target, feed_mm_min), guest=True)
+        self.start(phrase("move"), lines.line_to(self.position, target, feed_mm_min), BY_HAND)
         fastest = softlimits.fastest_mm_min(self.machine, here, target)
         if feed_mm_min is not None and feed_mm_min > fastest * _NEARLY:
             self.say(
@@ -255,7 +245,7 @@ class Commands:
         softlimits.require_feed(feed_mm_min)
         self.check_moves(targets)
         curve = lines.curve(self.position, targets, feed_mm_min)
-        self.start(name, curve, lines=len(targets))
+        self.start(name, curve, About(lines=len(targets)))
 
     def check_moves(self, targets: Sequence[Steps]) -> None:
         """See that every target can be reached, before anything moves.

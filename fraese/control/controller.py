@@ -14,15 +14,15 @@ from collections.abc import Callable
 
 from fraese.anythread import any_thread
 from fraese.config import Config
+from fraese.control.about import PLAIN, About
 from fraese.control.commands import Commands
 from fraese.control.endswitches import EndSwitches
 from fraese.control.handling import Handling
-from fraese.control.jobs import Job, Note, Plan
+from fraese.control.jobs import Job
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.onlooker import Nobody, Onlooker
 from fraese.control.position import Position
 from fraese.control.recorder import Recorder
-from fraese.control.retract import Detour
 from fraese.control.runloop import RunLoop
 from fraese.control.savedstate import SavedState
 from fraese.control.snapshot import snapshot
@@ -134,19 +134,9 @@ class Controller(Commands):
         """Register who is told what a person should know; called in the run loop's thread."""
         self._loop.set_tell(procedure)
 
-    def start(
-        self,
-        name: str,
-        job: Job,
-        lines: int = 0,
-        expected_s: float = 0.0,
-        detour: Detour | None = None,
-        note: Note | None = None,
-        plan: Plan | None = None,
-        guest: bool = False,
-    ) -> None:
+    def start(self, name: str, job: Job, about: About = PLAIN) -> None:
         """Take up a job; ``run`` works it off. See ``RunLoop.start``, also for what it raises."""
-        self._loop.start(name, job, lines, expected_s, detour, note, plan, guest=guest)
+        self._loop.start(name, job, about)
 
     def run(self) -> Status:
         """Work off what was started, to motors at rest; how it ended."""

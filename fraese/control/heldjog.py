@@ -15,6 +15,7 @@ from typing import Final
 from fraese.anythread import any_thread
 from fraese.blocks import Watch
 from fraese.control import lines, softlimits
+from fraese.control.about import BY_HAND
 from fraese.control.controller import Controller
 from fraese.control.jobs import Job, Standstill
 from fraese.log import logged
@@ -72,7 +73,7 @@ class HeldJog:
         target = softlimits.jog_target(where, motor, way_steps, longest_mm, clamp=True)
         watch = controller.switches.watch_for_jog(motor, way_steps)
         name = phrase("jog {axis}{what}, held", axis=axis.upper(), what="+" if sign > 0 else "-")
-        controller.start(name, self._job(controller, target, watch), guest=True)
+        controller.start(name, self._job(controller, target, watch), BY_HAND)
 
     def _job(self, controller: Controller, target: Steps, watch: Watch | None) -> Job:
         feed_mm_min = controller.config.jog.feed_mm_min

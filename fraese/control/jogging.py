@@ -21,6 +21,7 @@ from dataclasses import dataclass
 from fraese.anythread import any_thread
 from fraese.blocks import Watch
 from fraese.control import lines, softlimits
+from fraese.control.about import BY_HAND
 from fraese.control.controller import Controller
 from fraese.control.jobs import Job, Standstill
 from fraese.control.presses import Group, Press, Waiting
@@ -160,7 +161,7 @@ class Jogs:
                 self._job = job
             hand = self._next(job)
             if hand is not None:
-                self._controller.start(phrase("jog"), self._work(job, hand), guest=True)
+                self._controller.start(phrase("jog"), self._work(job, hand), BY_HAND)
         except FraeseError:
             self.forget()
             raise

@@ -19,15 +19,15 @@ from typing import Final
 
 from fraese.anythread import any_thread
 from fraese.config import Config
+from fraese.control.about import PLAIN, About
 from fraese.control.endings import alarm, not_kept
 from fraese.control.endswitches import EndSwitches
 from fraese.control.following import Following
-from fraese.control.jobs import Job, Note, Plan
+from fraese.control.jobs import Job
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.onlooker import Onlooker, lost_in_words
 from fraese.control.patience import Patience, no_progress
 from fraese.control.position import Position
-from fraese.control.retract import Detour
 from fraese.control.runner import Runner
 from fraese.control.state import JobProgress, Status
 from fraese.control.unfinished import Unfinished
@@ -170,48 +170,33 @@ class RunLoop:
             self._queue.idle(IdleLevel(self._config.standstill.current))
             self._queue.poll()
 
-    def start(
-        self,
-        name: str,
-        job: Job,
-        lines: int = 0,
-        expected_s: float = 0.0,
-        detour: Detour | None = None,
-        note: Note | None = None,
-        plan: Plan | None = None,
-        *,
-        guest: bool = False,
-    ) -> None:
+    def start(self, name: str, job: Job, about: About = PLAIN) -> None:
         """Take up a job; ``run`` works it off.
 
         Args:
             name: for people.
             job: what to do.
-            lines: how many lines it has, for the progress.
-            expected_s: planned duration, likewise.
-            detour: where to go while it is held; None: stay.
-            note: says what must be known to go on with it; None: nobody can.
-            plan: when it comes to which move; None: nobody knows.
-            guest: it may be done while another one waits for an answer.
+            about: what else is known of it.
 
         Raises:
             StateError: if another one runs, or an error has not been acknowledged.
         """
-        if guest and self.is_open:
+        if about.guest and self.is_open:
             self.runner.admit(job)
             return
         self.require_not_running()
         self.require_ready()
         self.message, self.error = "", None
         self._idle_at_ns = None
-        self.unfinished.begin(note)
-        self._following.begin(JobProgress(name, lines=lines, expected_s=expected_s), plan)
+        self.unfinished.begin(about.note)
+        progress = JobProgress(name, lines=about.lines, expected_s=about.expected_s)
+        self._following.begin(progress, about.plan)
         self._late_before = self._queue.report.late_ticks
         self._dry_before = self._queue.report.dry_queues
         self._lapses_before = self._recorder.lapses
         self._travelled_before = self._queue.report.travelled_steps
         self._onlooker.begin()
-        self.runner.start(job, detour)
+        self.runner.start(job, about.detour)
         self._patience.begin()
         self.status = Status.RUN
 

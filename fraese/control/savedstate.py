@@ -31,7 +31,7 @@ DAMAGED: Final = phrase("the last record of its place was damaged")
 
 
 class _Fact(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
 
 class Motion(_Fact):

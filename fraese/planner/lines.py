@@ -66,7 +66,9 @@ def mm_per_tick(weight: int) -> float:
 
 def planned_s(block: Block) -> float:
     """Duration of a block as planned, to a cycle per tick."""
-    cycles_q8 = sum(p.ticks * (p.interval_q8 + p.last_interval_q8()) for p in block.pieces)
+    cycles_q8 = 0
+    for piece in block.pieces:
+        cycles_q8 += piece.ticks * (piece.interval_q8 + piece.last_interval_q8())
     return cycles_q8 / (2 * Q8 * CYCLES_PER_S)
 
 

@@ -31,9 +31,8 @@ from fraese.blocks import Block
 from fraese.planner.segments import UNLIMITED, Limits, Segment
 from fraese.planner.timing import BlockMaker
 
-#: Segments, or seconds of motion, that arrive between two passes over the window.
+#: Segments that arrive between two passes over the window, if there is not motion enough before.
 _BATCH: Final = 32
-_BATCH_S: Final = 0.05
 #: Short segments are judged in runs of this many.
 _RUN: Final = 8
 #: What goes before the first segment, as far as short segments are concerned.
@@ -49,12 +48,21 @@ class Window:
         maker: what makes blocks of settled segments.
         most: segments held at most.
         min_block_s: time of a block at least, in the mean.
+        batch_s: motion that arrives between two passes.
     """
 
-    def __init__(self, limits: Limits, maker: BlockMaker, most: int, min_block_s: float) -> None:
+    def __init__(
+        self,
+        limits: Limits,
+        maker: BlockMaker,
+        most: int,
+        min_block_s: float,
+        batch_s: float = 0.05,
+    ) -> None:
         self._limits = limits
         self._maker = maker
         self._most = most
+        self._batch_s = batch_s
         self._per_run_s = 1 / (_RUN * min_block_s) if min_block_s else UNLIMITED
         self._run_mm = deque([_LONG_MM] * _RUN, _RUN)
         self._override = 1.0
@@ -76,7 +84,7 @@ class Window:
     @property
     def due(self) -> bool:
         """Enough has arrived for another pass."""
-        return self._fresh >= _BATCH or self._fresh_s >= _BATCH_S
+        return self._fresh >= _BATCH or self._fresh_s >= self._batch_s
 
     def __len__(self) -> int:
         return len(self._segments)

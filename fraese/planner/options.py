@@ -26,6 +26,7 @@ class Options:
         min_block_s: time of a block at least, in the mean of eight.
         max_block_s: longer moves are cut.
         window: segments that the look-ahead holds at most.
+        batch_s: motion, as planned, that arrives between two passes over the window.
         rate_factor: part of the axes' rates that may be used (a machine not referenced).
     """
 
@@ -33,6 +34,7 @@ class Options:
     min_block_s: float = 0.004
     max_block_s: float = 1.0
     window: int = 200
+    batch_s: float = 0.05
     rate_factor: float = 1.0
 
     @classmethod

@@ -66,7 +66,9 @@ class Planner:
 
     def _begin_at(self, position_steps: Steps, slack_steps: Steps) -> None:
         options = self._options
-        window = Window(self._limits, self._maker, options.window, options.min_block_s)
+        window = Window(
+            self._limits, self._maker, options.window, options.min_block_s, options.batch_s
+        )
         window.set_override(self._override, self._rapid)
         self._window = window
         self._targets = Targets(

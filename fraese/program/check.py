@@ -10,9 +10,9 @@ Rule 4: a line that is refused does not hide those behind it; nothing is planned
 import math
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from operator import sub
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from fraese.blocks import Block
 from fraese.control.softlimits import why_not
@@ -24,12 +24,15 @@ from fraese.motor.seams import Report
 from fraese.phrases import phrase
 from fraese.planner.ramps import SLOWEST_HZ
 from fraese.program.context import ProgramContext
-from fraese.program.outline import Outline, OutlineMaker
 from fraese.program.source import ProgramSource
 from fraese.program.taken import Taken
 from fraese.program.timetable import Timetable, TimetableMaker
 from fraese.program.translate import Moves, Translation
+from fraese.program.wants import WANTING, Wants
 from fraese.workframe import Point
+
+if TYPE_CHECKING:
+    from fraese.program.outline import Outline, OutlineMaker
 
 #: More are counted, not kept.
 _MOST_WARNINGS: Final = 20
@@ -39,8 +42,8 @@ _MOST_ERRORS: Final = 50
 _TELL_S: Final = 0.1
 #: So many moves between two looks at the clock.
 _LOOKS: Final = 200
-#: What else than a motion may ask for something.
-_WANTING: Final = frozenset({canon.Tool, canon.Spindle, canon.Pause, canon.Probe})
+#: What has a feed of its own.
+_FED: Final = (canon.Feed, canon.Arc)
 #: Who goes further out, in travels of an axis, means no place: planning it would take for ever.
 _LOST_TRAVELS: Final = 100
 
@@ -54,43 +57,6 @@ class Complaint:
 
 
 @dataclass(frozen=True, slots=True)
-class Wants:
-    """What a program asks of the machine and of whoever stands at it.
-
-    Attributes:
-        tools: numbers, in the order in which they are first put in.
-        spindle_rev_min: lowest and highest speed that it is switched on with; None: never.
-        stops: so often it waits for a person, M0 and tools; M1 is counted apart.
-        optional_stops: so often at M1.
-        probes: so often it probes.
-    """
-
-    tools: tuple[int, ...] = ()
-    spindle_rev_min: tuple[float, float] | None = None
-    stops: int = 0
-    optional_stops: int = 0
-    probes: int = 0
-
-    def taking(self, move: canon.Move) -> "Wants":
-        """With one more move that may want something."""
-        if isinstance(move, canon.Tool):
-            new = move.number not in self.tools
-            tools = (*self.tools, move.number) if new else self.tools
-            return replace(self, tools=tools, stops=self.stops + 1)
-        if isinstance(move, canon.Spindle) and move.direction:
-            low, high = self.spindle_rev_min or (math.inf, 0.0)
-            speeds = min(low, move.rev_min), max(high, move.rev_min)
-            return replace(self, spindle_rev_min=speeds)
-        if isinstance(move, canon.Pause):
-            if move.optional:
-                return replace(self, optional_stops=self.optional_stops + 1)
-            return replace(self, stops=self.stops + 1)
-        if isinstance(move, canon.Probe):
-            return replace(self, probes=self.probes + 1)
-        return self
-
-
-@dataclass(frozen=True, slots=True)
 class Stage:
     """How far a look-through is.
 
@@ -100,7 +66,7 @@ class Stage:
     """
 
     lines: int
-    outline: Outline | None = None
+    outline: "Outline | None" = None
 
 
 Tell = Callable[[Stage], object]
@@ -134,8 +100,8 @@ class Facts:
     lines: int
     blocks: int
     notes: tuple[Complaint, ...] = ()
-    wants: Wants = Wants()
-    outline: Outline | None = field(default=None, compare=False)
+    wants: Wants = field(default_factory=Wants)
+    outline: "Outline | None" = field(default=None, compare=False)
     timetable: Timetable | None = field(default=None, compare=False)
 
     @classmethod
@@ -173,7 +139,7 @@ class Survey:
     outside: list[Complaint] = field(default_factory=list)
     notes: list[Complaint] = field(default_factory=list)
     is_lost: bool = False
-    drawing: OutlineMaker | None = None
+    drawing: "OutlineMaker | None" = None
     wants: Wants = field(default_factory=Wants)
     moves: int = 0
 
@@ -204,7 +170,7 @@ class Survey:
                 self._take(move)
             if isinstance(move, canon.Message) and move.kind == "note":
                 self.notes.append(Complaint(*self.source.complaint(move.line, move.text)))
-            if kind in _WANTING:
+            if kind in WANTING:
                 self.wants = self.wants.taking(move)
             facts = yield move
 
@@ -241,7 +207,7 @@ class Survey:
             self.drawing.take(move, self.moves)  # type: ignore[arg-type]
         self._at = move.to  # type: ignore[union-attr]
         self.length_mm += length_mm
-        if isinstance(move, canon.Feed | canon.Arc):
+        if isinstance(move, _FED) and move.feed_mm_min < self._slow_mm_min:
             self._check_feed(move, tuple(map(sub, move.to, before)), length_mm)
         for i, before_mm in enumerate(before):
             if low[i] < self.low[i]:
@@ -256,7 +222,7 @@ class Survey:
 
     def _check_feed(self, move: canon.Feed | canon.Arc, way: Sequence[float], mm: float) -> None:
         """A feed below the slowest step is driven faster than it says: the first one is told."""
-        if move.feed_mm_min >= self._slow_mm_min or self._told_of_feed or mm <= 0:
+        if self._told_of_feed or mm <= 0:
             return
         axes = self.context.machine.axes
         most = max(abs(by) * float(axis.steps_per_mm) for by, axis in zip(way, axes, strict=True))
@@ -324,7 +290,12 @@ class _Teller:
 
 
 def check_program(
-    taken: Taken, context: ProgramContext, *, plan: bool = True, tell: Tell | None = None
+    taken: Taken,
+    context: ProgramContext,
+    *,
+    plan: bool = True,
+    draw: bool = True,
+    tell: Tell | None = None,
 ) -> Facts:
     """Look a program through.
 
@@ -332,10 +303,11 @@ def check_program(
         taken: its files.
         context: the machine as the program finds it.
         plan: plan the motion too, up to where it is lost; else duration and blocks stay 0.
+        draw: an outline is wanted.
         tell: told how far it is.
     """
     source = ProgramSource(taken, context)
-    drawing = OutlineMaker(context.machine.names, context.start_mm)
+    drawing = _drawing(context) if draw else None
     survey = Survey(context, source, drawing=drawing)
     errors = _Errors(taken)
     timetable, blocks = TimetableMaker(), 0
@@ -366,9 +338,16 @@ def check_program(
         blocks=blocks,
         notes=tuple(survey.notes),
         wants=survey.wants,
-        outline=drawing.outline(),
+        outline=drawing.outline() if drawing is not None else None,
         timetable=timetable.timetable() if whole else None,
     )
+
+
+def _drawing(context: ProgramContext) -> "OutlineMaker":
+    # It takes numpy along, which a command that draws nothing does not pay for.
+    from fraese.program.outline import OutlineMaker
+
+    return OutlineMaker(context.machine.names, context.start_mm)
 
 
 class _Errors:

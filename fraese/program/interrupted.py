@@ -30,7 +30,7 @@ _MOST_ANSWERS: Final = 64
 class Answer(BaseModel):
     """What a barrier was answered, as ``canon.Facts``."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
     position_mm: tuple[float, ...]
     touched: bool = False
@@ -59,7 +59,7 @@ class Interrupted(BaseModel):
         line: its line.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
     name: str
     content_hash: str

@@ -7,6 +7,7 @@ import sys
 import threading
 from collections.abc import Callable
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import BinaryIO
 
@@ -23,6 +24,8 @@ def main(most_bytes: int) -> None:
     Args:
         most_bytes: of memory.
     """
+    # What it takes along is not counted as memory of the program.
+    import_module("fraese.program.outline")
     _bound_memory(most_bytes)
     asked: queue.SimpleQueue[tuple[Taken, ProgramContext, bool]] = queue.SimpleQueue()
     threading.Thread(target=_hear, args=(sys.stdin.buffer, asked.put), daemon=True).start()

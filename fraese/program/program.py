@@ -6,6 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Final
 
+from fraese.control.about import About
 from fraese.control.controller import Controller
 from fraese.control.jobs import STANDSTILL, Job
 from fraese.control.retract import Retract
@@ -18,7 +19,6 @@ from fraese.program.check import Facts, Stage, Survey, check_program
 from fraese.program.context import ProgramContext
 from fraese.program.interrupted import Interrupted, JobNote
 from fraese.program.kept import KeptPrograms
-from fraese.program.lineindex import LineIndex
 from fraese.program.looker import Looker
 from fraese.program.offsethistory import OffsetHistory
 from fraese.program.runfromline import Beginning, Place
@@ -44,6 +44,7 @@ class Program:
         taken: its files, as they were then.
         apart: look it through in a process of its own, so that an app stays awake.
         kept: where a copy of what is run is kept; None: none is.
+        drawn: its outline is wanted.
 
     Attributes:
         path: where it was.
@@ -53,12 +54,18 @@ class Program:
     """
 
     def __init__(
-        self, taken: Taken, *, apart: bool = False, kept: KeptPrograms | None = None
+        self,
+        taken: Taken,
+        *,
+        apart: bool = False,
+        kept: KeptPrograms | None = None,
+        drawn: bool = True,
     ) -> None:
         self.path = taken.path
         self.name = taken.path.name
         self.taken = taken
         self._kept = kept
+        self._drawn = drawn
         self._looker = Looker(taken) if apart else None
         # What was found, and how the machine stood then.
         self._looked: tuple[ProgramContext, Facts] | None = None
@@ -77,6 +84,8 @@ class Program:
         Raises:
             ProgramError: if it is not text.
         """
+        from fraese.program.lineindex import LineIndex
+
         return LineIndex(self.taken.main)
 
     @cached_property
@@ -114,7 +123,9 @@ class Program:
         self.stage = Stage(0)
         try:
             if self._looker is None:
-                facts = check_program(self.taken, context, plan=plan, tell=self._is_at)
+                facts = check_program(
+                    self.taken, context, plan=plan, draw=self._drawn, tell=self._is_at
+                )
             else:
                 facts = self._looker.look(context, plan=plan, tell=self._is_at)
         finally:
@@ -203,17 +214,17 @@ class Program:
                 controller.position.offsets.replace(history.in_force()[0])
             self._own_up(controller, told)
 
-        unkept = self._keep()
+        unkept, retract_mm = self._keep(), context.retract_mm()
         controller.start(
             self.name,
             job(),
-            lines=facts.lines if facts else lines,
-            expected_s=facts.duration_s if facts else 0.0,
-            plan=facts.timetable if facts else None,
-            detour=Retract(controller.position, retract_mm)
-            if (retract_mm := context.retract_mm())
-            else None,
-            note=JobNote(self.name, self.content_hash, begun.found, translation).at,
+            About(
+                lines=facts.lines if facts else lines,
+                expected_s=facts.duration_s if facts else 0.0,
+                plan=facts.timetable if facts else None,
+                detour=Retract(controller.position, retract_mm) if retract_mm else None,
+                note=JobNote(self.name, self.content_hash, begun.found, translation).at,
+            ),
         )
         if said := [text for text in (news and news + _AS_OPENED, unkept) if text]:
             controller.say(joined(" ", said))
@@ -330,6 +341,7 @@ def open_program(
     *,
     apart: bool = False,
     kept: KeptPrograms | None = None,
+    drawn: bool = True,
 ) -> Program:
     """A program that can be read.
 
@@ -337,8 +349,9 @@ def open_program(
         path: the file.
         apart: see ``Program``.
         kept: likewise.
+        drawn: likewise.
 
     Raises:
         ProgramError: if there is nothing to read.
     """
-    return Program(take_program(path), apart=apart, kept=kept)
+    return Program(take_program(path), apart=apart, kept=kept, drawn=drawn)

@@ -71,7 +71,7 @@ class Resumption:
                 )
             )
         controller.check_moves([])
-        return cls(left, Program(taken, apart=apart, kept=kept), context)
+        return cls(left, Program(taken, apart=apart, kept=kept, drawn=apart), context)
 
     def news(self) -> tuple[str, ...]:
         """What a person should know who goes on with it, sentences."""

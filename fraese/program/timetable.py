@@ -9,15 +9,18 @@ Rule 1: memory is bounded: with too many entries every other one is left out.
 Rule 2: between two entries the time passes evenly.
 """
 
+from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import sub
 from typing import Final
-
-import numpy as np
-from numpy.typing import NDArray
 
 from fraese.blocks import Block
 from fraese.control.jobs import move_of
 from fraese.planner.lines import planned_s
+
+#: Acted on by the feed override, by that of the rapids, by none.
+_Seconds = tuple[float, float, float]
 
 #: Entries at most.
 _MOST: Final = 1 << 12
@@ -29,30 +32,42 @@ class Timetable:
 
     Attributes:
         moves: their numbers, ascending; the last one is behind the end.
-        seconds: (n, 3): feed, rapid, fixed.
+        seconds: feed, rapid, fixed for each.
     """
 
-    moves: NDArray[np.int64]
-    seconds: NDArray[np.float64]
+    moves: Sequence[int]
+    seconds: Sequence[_Seconds]
 
     @property
     def total_s(self) -> float:
         """All of it at 100 %."""
-        return float(self.seconds[-1].sum())
+        return sum(self.seconds[-1])
 
     def progress(
         self, move: int, in_move_s: float, *, feed: float, rapid: float
     ) -> tuple[float, float]:
         """The share that is done, and how long the rest takes; see ``control.jobs.Plan``."""
         here, behind = self._at(move), self._at(max(move, 0) + 1)
-        whole_s = float((behind - here).sum())
-        share = min(1.0, in_move_s / whole_s) if whole_s > 0 else 0.0
-        left = self.seconds[-1] - (here + (behind - here) * share)
-        share = 1 - float(left.sum()) / self.total_s if self.total_s > 0 else 0.0
-        return share, float(left[0] / feed + left[1] / rapid + left[2])
+        whole_s = sum(behind) - sum(here)
+        done = _between(here, behind, min(1.0, in_move_s / whole_s) if whole_s > 0 else 0.0)
+        left_feed_s, left_rapid_s, left_fixed_s = map(sub, self.seconds[-1], done)
+        left_s = left_feed_s + left_rapid_s + left_fixed_s
+        share = 1 - left_s / self.total_s if self.total_s > 0 else 0.0
+        return share, left_feed_s / feed + left_rapid_s / rapid + left_fixed_s
 
-    def _at(self, move: int) -> NDArray[np.float64]:
-        return np.array([np.interp(move, self.moves, column) for column in self.seconds.T])
+    def _at(self, move: int) -> _Seconds:
+        moves, seconds = self.moves, self.seconds
+        after = bisect_right(moves, move)
+        if not 0 < after < len(moves):
+            return seconds[min(after, len(moves) - 1)]
+        before = after - 1
+        share = (move - moves[before]) / (moves[after] - moves[before])
+        return _between(seconds[before], seconds[after], share)
+
+
+def _between(one: _Seconds, other: _Seconds, share: float) -> _Seconds:
+    a, b, c = (first + (second - first) * share for first, second in zip(one, other, strict=True))
+    return a, b, c
 
 
 class TimetableMaker:
@@ -73,14 +88,15 @@ class TimetableMaker:
     def take(self, block: Block) -> None:
         """The next block."""
         move = move_of(block.tag)
+        sums = self._sums
         if move - self._moves[-1] >= self._stride:
             self._moves.append(move)
-            self._seconds.append((self._sums[0], self._sums[1], self._sums[2]))
+            self._seconds.append((sums[0], sums[1], sums[2]))
             if len(self._moves) > _MOST:
                 self._thin()
-        self._last = max(self._last, move)
-        kind = 1 if block.is_rapid else 0 if block.override_q8 else 2
-        self._sums[kind] += planned_s(block)
+        if move > self._last:
+            self._last = move
+        sums[1 if block.is_rapid else 0 if block.override_q8 else 2] += planned_s(block)
 
     def _thin(self) -> None:
         self._stride = max(2 * self._stride, 2 * (self._last // _MOST))
@@ -89,6 +105,6 @@ class TimetableMaker:
 
     def timetable(self) -> Timetable:
         """What there is."""
-        moves = [*self._moves, max(self._last, self._moves[-1]) + 1]
-        seconds = [*self._seconds, tuple(self._sums)]
-        return Timetable(np.array(moves, np.int64), np.array(seconds, np.float64))
+        feed_s, rapid_s, fixed_s = self._sums
+        moves = (*self._moves, max(self._last, self._moves[-1]) + 1)
+        return Timetable(moves, (*self._seconds, (feed_s, rapid_s, fixed_s)))

@@ -30,6 +30,8 @@ Part = Generator[Demand, Report, canon.Facts | None]
 
 #: Blocks of what is only looked through are at most so long: no override has to act on them.
 _LOOKED_BLOCK_S: Final = 1.0
+#: And so much of it is planned in one pass: nothing waits for the first of it.
+_LOOKED_BATCH_S: Final = 0.5
 _DIRECTIONS: Final = {1: phrase("clockwise"), -1: phrase("counter-clockwise")}
 _COOLANTS: Final = {"mist": phrase("mist"), "flood": phrase("flood")}
 
@@ -97,8 +99,9 @@ class Translation:
         self.visited_at = 0
         options = context.options()
         if controller is None:
-            # Nobody changes an override while it is only looked through.
-            options = replace(options, max_block_s=max(options.max_block_s, _LOOKED_BLOCK_S))
+            # Nobody changes an override, and nothing waits, while it is only looked through.
+            longest_s = max(options.max_block_s, _LOOKED_BLOCK_S)
+            options = replace(options, max_block_s=longest_s, batch_s=_LOOKED_BATCH_S)
         self.planner = Planner(context.machine, context.start_steps, options, context.slack_steps)
 
     def blocks(self, moves: Moves) -> Job:

@@ -1,7 +1,7 @@
 """Builds the harness and small firmwares, on demand, into `.rig-cache/` of the checkout.
 
 A file's name carries a hash of everything it was made from, so nothing stale is ever used and two
-processes may build the same file at the same time.
+processes, or threads, may build the same file at the same time.
 """
 
 import functools
@@ -11,6 +11,7 @@ import shutil
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path
+from uuid import uuid4
 
 HERE = Path(__file__).resolve().parent
 CACHE = HERE.parent.parent / ".rig-cache"
@@ -110,7 +111,7 @@ def _built(
     if target.exists():
         return target
     CACHE.mkdir(exist_ok=True)
-    unfinished = target.with_name(f"{target.name}.{os.getpid()}")
+    unfinished = target.with_name(f"{target.name}.{uuid4().hex}")
     arguments = [*command, "-o", str(unfinished), *map(str, sources), *libraries]
     done = subprocess.run(arguments, capture_output=True, text=True, check=False)
     if done.returncode:

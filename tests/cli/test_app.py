@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from fraese.assembly import assemble
-from fraese.cli import _make_app
 from fraese.cli.shared import Drive
+from fraese.cli.theapp import make_app
 from fraese.config import Config
 from fraese.control.state import Status
 from fraese.ui.dialogs.crash import CrashDialog
@@ -15,7 +15,7 @@ from tests.ui.helpers import play
 def test_the_state_says_that_the_machine_moves_before_it_moves(tmp_path: Path) -> None:
     async def scene() -> None:
         plant = assemble(Config(), state=tmp_path)
-        app = _make_app(plant, None, Drive(state=tmp_path))
+        app = make_app(plant, None, Drive(state=tmp_path))
 
         def is_moving() -> bool:
             return bool(kept(tmp_path).get("motion"))
@@ -39,7 +39,7 @@ def test_the_app_is_told_what_it_drives(tmp_path: Path) -> None:
         path = tmp_path / "part.ngc"
         path.write_text("G21 G90\nG1 X5 F300\nM2\n")
         plant = assemble(Config(), state=tmp_path)
-        app = _make_app(plant, path, Drive(state=tmp_path))
+        app = make_app(plant, path, Drive(state=tmp_path))
         async with app.run_test(size=(80, 24)) as pilot:
             while app.view.desk.programs.program is None:
                 await pilot.pause(0.01)
@@ -64,7 +64,7 @@ def test_what_a_crash_has_left_is_offered_at_the_start(tmp_path: Path) -> None:
 
     async def scene() -> None:
         plant = assemble(Config(), state=tmp_path)
-        app = _make_app(plant, None, Drive(state=tmp_path))
+        app = make_app(plant, None, Drive(state=tmp_path))
         async with app.run_test(size=(80, 24)) as pilot:
             while not isinstance(app.screen, CrashDialog):
                 await pilot.pause(0.01)

@@ -12,7 +12,7 @@ from fraese.cli import app
 from fraese.config.file import load
 from fraese.control.savedstate import SavedState
 from fraese.errors import ConfigError, ProgramError
-from fraese.program import open_program
+from fraese.program.program import open_program
 from tests.helpers import as_nobody, kept
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from fraese.control.about import About
 from fraese.control.jobs import Job
 from fraese.control.state import Status
 from fraese.errors import StateError
@@ -97,12 +98,12 @@ def test_the_line_of_the_job_before_is_not_that_of_this_one() -> None:
         assert block is not None
         yield block
 
-    controller.start("one", job(774), lines=1000)
+    controller.start("one", job(774), About(lines=1000))
     controller.run()
     progress = controller.state().job
     assert progress is not None
     assert progress.line == 774
-    controller.start("two", job(3), lines=39)
+    controller.start("two", job(3), About(lines=39))
     progress = controller.state().job
     assert progress is not None
     assert progress.line == 0

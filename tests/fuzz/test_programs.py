@@ -12,8 +12,8 @@ from fraese.assembly import Plant
 from fraese.control.state import Status
 from fraese.gcode import canon
 from fraese.gcode.text import MAX_LINE
-from fraese.program import Program, open_program
 from fraese.program import source as program_source
+from fraese.program.program import Program, open_program
 from fraese.program.translate import Moves
 from tests.fuzz.lengths import fuzzed, is_a_sentence, refusal_of, soon
 from tests.fuzz.test_language import PROGRAMS

@@ -146,4 +146,4 @@ def test_bands_and_options_come_from_the_configuration() -> None:
     )
     assert Machine.from_config(config).axes[0].avoid_hz == ((300, 450),)
     options = Options.from_config(config.planner, rate_factor=0.5)
-    assert options == Options(0.01, 0.002, 0.05, 50, 0.5)
+    assert options == Options(0.01, 0.002, 0.05, 50, rate_factor=0.5)

@@ -8,7 +8,7 @@ import pytest
 from fraese.assembly import Plant, assemble
 from fraese.control.state import Status
 from fraese.errors import FraeseError, LimitError
-from fraese.program import open_program
+from fraese.program.program import open_program
 from tests.helpers import carriages, configured, look, mill, plant
 
 STEPDIR = {"card": {"kind": "stepdir"}}

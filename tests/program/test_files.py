@@ -10,8 +10,9 @@ import pytest
 from fraese.assembly import Plant
 from fraese.control.state import Status
 from fraese.errors import ProgramError
-from fraese.program import content, open_program
+from fraese.program import content
 from fraese.program.content import take
+from fraese.program.program import open_program
 from tests.helpers import carriages, homed, program, run_program
 
 FIRST = (

@@ -14,9 +14,9 @@ from fraese.control.state import Status
 from fraese.errors import ProgramError, StateError
 from fraese.gcode import canon
 from fraese.journal.pages import MOST_BYTES
-from fraese.program import Program
 from fraese.program.context import ProgramContext
 from fraese.program.interrupted import Interrupted, JobNote
+from fraese.program.program import Program
 from fraese.program.translate import Translation
 from fraese.program.way import way_of
 from fraese.workframe import FIRST_SYSTEM, PERSISTENT, ROTATION, SYSTEM_STRIDE, SYSTEMS

@@ -8,8 +8,9 @@ import pytest
 
 from fraese.control.state import Status
 from fraese.errors import ProgramError
-from fraese.program import Program, kept, open_program
+from fraese.program import kept
 from fraese.program.kept import KeptPrograms
+from fraese.program.program import Program, open_program
 from tests.helpers import carriages, homed
 
 TEXT = "G21 G90\no<hop> call\nM2\n"

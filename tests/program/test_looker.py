@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 from fraese.errors import Cancelled, LimitError, ProgramError
-from fraese.program import looker, open_program
+from fraese.program import looker
 from fraese.program.context import ProgramContext
+from fraese.program.program import open_program
 from fraese.spawn import command, environment
 from tests.helpers import homed, program
 
@@ -135,7 +136,7 @@ import sys
 from pathlib import Path
 from fraese.assembly import assemble
 from fraese.config import Config
-from fraese.program import open_program
+from fraese.program.program import open_program
 part = open_program(Path(sys.argv[1]), apart=True)
 question = part.question(assemble(Config()).controller)
 process = part._looker._started()

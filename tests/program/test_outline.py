@@ -7,10 +7,11 @@ import pytest
 
 from fraese.errors import LimitError, ProgramError
 from fraese.gcode import canon
-from fraese.program.check import Facts, Stage, Wants, check_program
+from fraese.program.check import Facts, Stage, check_program
 from fraese.program.context import ProgramContext
 from fraese.program.outline import OutlineMaker
 from fraese.program.timetable import TimetableMaker
+from fraese.program.wants import Wants
 from tests.helpers import homed, program
 
 
@@ -122,7 +123,7 @@ def test_it_tells_how_far_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 
 def test_a_program_apart_tells_it_too(tmp_path: Path) -> None:
-    from fraese.program import open_program
+    from fraese.program.program import open_program
 
     path = tmp_path / "part.ngc"
     path.write_text("G1 X1 F300\nX400\nM2\n")

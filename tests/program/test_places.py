@@ -6,9 +6,9 @@ import pytest
 
 from fraese.assembly import Plant
 from fraese.errors import LimitError, ProgramError
-from fraese.program import open_program
 from fraese.program.check import check_program
 from fraese.program.context import ProgramContext
+from fraese.program.program import open_program
 from tests.helpers import homed
 
 SLOT = "o<slot> sub\ng0 z#1\ng0 x1\ng1 x500\no<slot> endsub\n"

@@ -11,9 +11,9 @@ from fraese.control.jobs import line_of, move_of
 from fraese.control.state import Status
 from fraese.errors import LimitError, ProgramError, StateError
 from fraese.motor.seams import CONTROL
-from fraese.program import Program, open_program
 from fraese.program.check import check_program
 from fraese.program.context import ProgramContext
+from fraese.program.program import Program, open_program
 from tests.helpers import (
     STEPDIR,
     after_slices,

@@ -10,8 +10,9 @@ from fraese.control.position import Doubt
 from fraese.control.savedstate import IN_MOTION
 from fraese.control.state import Status
 from fraese.errors import StateError
-from fraese.program import Resumption, open_program
 from fraese.program.kept import KeptPrograms
+from fraese.program.program import open_program
+from fraese.program.resumption import Resumption
 from tests.helpers import after_slices
 
 PART = "G21 G90 F600\nG1 X5\nG1 Y5\nG1 X0\nG1 Y0\nM2\n"

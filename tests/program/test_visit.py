@@ -9,8 +9,9 @@ from fraese.assembly import Plant
 from fraese.control.jogging import Jogs
 from fraese.control.state import Status
 from fraese.errors import StateError
-from fraese.program import Resumption, open_program
 from fraese.program.kept import KeptPrograms
+from fraese.program.program import open_program
+from fraese.program.resumption import Resumption
 from tests.helpers import carriages, homed, look, program, run_program
 
 PART = "G0 Z5\nG0 X10 Y10\nT1 M6\nG1 Z-1 F600\nX20\nG55\nG54\nG0 Z5\nM2\n"

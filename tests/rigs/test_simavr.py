@@ -1,10 +1,14 @@
 """The simulated ATmega328P as a place to try firmware: exact, deterministic, and it tells."""
 
+import os
 import re
+import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from rigs.avr import build
 from rigs.avr.binding import EVENT, SRAM_END, SRAM_START, Events
 from rigs.avr.board import CONTROL, DATA, UNO, Decoder, decode, resets
 from rigs.avr.build import RigError, data_symbols, firmware, missing
@@ -363,3 +367,24 @@ def events(*rows: tuple[int, str, int]) -> Events:
     for i, (cycle, kind, value) in enumerate(rows):
         log[i]["cycle"], log[i]["kind"], log[i]["value"] = cycle, ord(kind), value
     return log
+
+
+# -- building
+
+
+def test_threads_may_build_the_same_file_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(build, "CACHE", tmp_path / "cache")
+    built: list[Path] = []
+    threads = [
+        threading.Thread(target=lambda: built.append(build.host_program.__wrapped__()))
+        for _ in range(4)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(built) == 4
+    assert os.access(built[0], os.X_OK)
+    assert list((tmp_path / "cache").iterdir()) == [built[0]]

@@ -16,6 +16,7 @@ from textual.pilot import Pilot
 from fraese.assembly import Plant, assemble
 from fraese.assembly.drivers import ClockName
 from fraese.config import Config
+from fraese.control.about import About
 from fraese.control.controller import Controller
 from fraese.control.jobs import Job
 from fraese.control.state import MachineState
@@ -23,8 +24,9 @@ from fraese.errors import ProgramError
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import End
 from fraese.planner.lines import plan_line
-from fraese.program import ByHand
-from fraese.program.check import Complaint, Wants
+from fraese.program.byhand import ByHand
+from fraese.program.check import Complaint
+from fraese.program.wants import Wants
 from fraese.ui import FraeseApp
 from fraese.ui.dialogs.start import StartDialog
 from fraese.ui.views.machine import MachineView
@@ -113,7 +115,8 @@ class FakeProgram:
         self.at_the_gate()
         self.started += 1
         job = self._job(controller)
-        controller.start(self.name, job, lines=len(self.lines), expected_s=self.facts.duration_s)
+        about = About(lines=len(self.lines), expected_s=self.facts.duration_s)
+        controller.start(self.name, job, about)
 
     def _job(self, controller: Controller) -> Job:
         machine = controller.machine

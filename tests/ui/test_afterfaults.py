@@ -17,8 +17,9 @@ from fraese.config import Config
 from fraese.control.controller import Controller
 from fraese.control.position import Doubt
 from fraese.errors import Cancelled
-from fraese.program import Resumption, open_program
 from fraese.program.kept import KeptPrograms
+from fraese.program.program import open_program
+from fraese.program.resumption import Resumption
 from fraese.ui import FraeseApp
 from fraese.ui.dialogs.crash import CrashDialog
 from fraese.ui.dialogs.reference import ReferenceDialog

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from textual.widgets import Button, Input, OptionList
 
-from fraese.program import open_program
+from fraese.program.program import open_program
 from fraese.program.recent import RecentPrograms
 from fraese.ui.dialogs.start import StartDialog, WayDialog
 from fraese.ui.views.program import ProgramView

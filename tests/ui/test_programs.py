@@ -9,7 +9,7 @@ import pytest
 from textual.widgets import Button, Input, OptionList
 
 from fraese.config import Config
-from fraese.program import Program, open_program
+from fraese.program.program import Program, open_program
 from fraese.ui.dialogs.start import StartDialog
 from fraese.ui.widgets.path import PathView
 from tests.ui.helpers import Bench, bench, play

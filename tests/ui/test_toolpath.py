@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fraese.control.state import JobProgress, MachineState, Status
-from fraese.program.check import Complaint, Facts, Wants
+from fraese.program.check import Complaint, Facts
 from fraese.program.outline import Outline
+from fraese.program.wants import Wants
 from fraese.ui.briefing import lines, may_start, problems
 from fraese.ui.shape import AxisShape, Shape
 from fraese.ui.widgets.dots import BRAILLE, HALVES, Cell, Dots

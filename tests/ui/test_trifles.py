@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from fraese.program import open_program
+from fraese.program.program import open_program
 from fraese.ui.dialogs.goto import GoToDialog
 from fraese.ui.dialogs.help import HelpPage
 from fraese.ui.views.machine import MachineView

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from fraese.program import open_program
+from fraese.program.program import open_program
 from fraese.ui.dialogs.ask import AskDialog
 from fraese.ui.widgets.fact import Fact
 from tests.helpers import configured

@@ -21,6 +21,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, Final, NamedTuple
+from uuid import uuid4
 
 from fraese.motor.seams import CONTROL, DATA, STATUS
 
@@ -87,7 +88,7 @@ def library() -> Path:
     folder.mkdir(exist_ok=True)
     built = folder / f"fakelpt-{digest}.so"
     if not built.exists():
-        fresh = built.with_suffix(f".{os.getpid()}")
+        fresh = built.with_suffix(f".{uuid4().hex}")
         command = ["gcc", "-shared", "-fPIC", "-O2", "-Wall", "-Wextra", "-Werror"]
         subprocess.run([*command, "-o", str(fresh), str(SOURCE)], check=True)
         fresh.replace(built)

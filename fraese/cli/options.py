@@ -1,0 +1,45 @@
+"""Options and arguments that commands share. Nothing of the machine is imported for them."""
+
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
+
+ConfigOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--config", metavar="FILE", help="Configuration file; else ./fraese.toml, else the user's."
+    ),
+]
+JsonOption = Annotated[
+    bool, typer.Option("--json", help="Result as one JSON object on the last line.")
+]
+StateOption = Annotated[
+    Path | None,
+    typer.Option("--state", metavar="DIR", help="Folder in which the machine's state is kept."),
+]
+FreshOption = Annotated[bool, typer.Option("--fresh", help="Forget the state that was kept.")]
+TraceOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--trace", metavar="FILE.vcd", help="Write a waveform of all lines, for fraese trace."
+    ),
+]
+RealTimeOption = Annotated[
+    bool, typer.Option("--real-time", help="Let the simulated mill take its time.")
+]
+KeysOption = Annotated[
+    str | None,
+    typer.Option(
+        "--keys",
+        metavar="SOURCE",
+        help=(
+            "Where keys come from: auto, kitty, plain, evdev, or evdev:/dev/input/event3; "
+            "else as configured."
+        ),
+    ),
+]
+FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Program or coordinate list.")]
+
+#: Words such as -1.5 or X-3 are values here, not options.
+VALUES: Final = {"ignore_unknown_options": True}
