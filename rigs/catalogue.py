@@ -22,6 +22,7 @@ from typing import Any, Final
 import typer
 
 from fraese.cli import app
+from fraese.cli.table import MODULES, commands_of
 from fraese.phrases import ENGLISH, LANGUAGES, catalogue_path, parsed
 from fraese.ui import keyrows
 from fraese.ui.keyrows import Row
@@ -79,7 +80,10 @@ def _helps() -> Iterator[tuple[str, str]]:
         for inner in getattr(command, "commands", {}).values():
             yield from below(inner)
 
-    return below(typer.main.get_command(app))
+    yield from below(typer.main.get_command(app))
+    for module in dict.fromkeys(MODULES.values()):
+        for command in commands_of(module).values():
+            yield from below(command)
 
 
 def _rows() -> Iterator[tuple[str, str]]:

@@ -40,10 +40,10 @@ Command = Any
 
 def commands_of(module: str) -> Mapping[str, Command]:
     """What a module of the command line has, by name."""
-    app: typer.Typer = import_module(f"fraese.cli.{module}").app
-    group = typer.main.get_group(app)
-    # An app with a name of its own is one command, with others in it.
-    return {group.name: group} if group.name else group.commands
+    # Within another app: one with a name of its own is one command there, with others in it.
+    outer = typer.Typer(rich_markup_mode=None)
+    outer.add_typer(import_module(f"fraese.cli.{module}").app)
+    return typer.main.get_group(outer).commands
 
 
 class Commands(TyperGroup):

@@ -51,3 +51,18 @@ def test_a_command_imports_what_it_needs(
     )
     assert run.returncode == 0, run.stderr
     assert run.stdout.splitlines()[-1].startswith("False")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--help"], "Ein Programm fahren"),
+        (["where", "--help"], "Konfigurationsdatei"),
+        (["calibrate", "steps", "--help"], "Konfigurationsdatei"),
+    ],
+)
+def test_help_is_in_the_readers_language_and_has_no_frame(words: list[str], said: str) -> None:
+    command = [sys.executable, "-m", "fraese", "--language", "de", *words]
+    shown = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert said in shown
+    assert "─" not in shown
