@@ -37,7 +37,7 @@ def table_of(controller: Controller, config: Config, named: Path | None) -> "Key
     try:
         return KeyTable(shape_of(controller), VIEWS, config.keys)
     except ConfigError as error:
-        place = str(configuration.find_file(named))
+        place = str(named or configuration.find_file() or configuration.FILE_NAME)
         raise ConfigError(joined(": ", (place, str(error)))) from error
 
 

@@ -8,6 +8,7 @@ from typing import Final
 
 from fraese.assembly import Plant
 from fraese.cli import appkeys
+from fraese.cli.appsettings import AppSettings
 from fraese.cli.departure import Closing, Departure, in_background, left_at_once
 from fraese.cli.leaving import AfterMotion
 from fraese.cli.output import note
@@ -76,6 +77,7 @@ def make_app(
         tools=ByHand(),
         history=kept.state_folder / _TYPED_LINES,
         keys=appkeys.table_of(plant.controller, plant.config, on.config),
+        settings=AppSettings(on.config, plant.controller),
     )
 
 

@@ -90,6 +90,15 @@ class Config(Section):
 
     @model_validator(mode="after")
     def _fits_together(self) -> "Config":
+        self.must_fit_together()
+        return self
+
+    def must_fit_together(self) -> None:
+        """What no table can see by itself.
+
+        Raises:
+            ValueError: if two tables contradict each other.
+        """
         self._check_sockets()
         for name, axis in self.axes.table.items():
             self._check_travel(name, axis)
@@ -98,7 +107,6 @@ class Config(Section):
         self._check_probe()
         self._check_outputs()
         self._check_simulation()
-        return self
 
     def _check_sockets(self) -> None:
         kind = self.card.kind

@@ -75,15 +75,15 @@ def find_file(named: Path | None = None) -> Path | None:
         ConfigError: if a file was named and is not there.
     """
     if named is not None:
-        if not _is_file(named):
+        if not is_plain_file(named):
             raise ConfigError(phrase("{named}: there is no such configuration file.", named=named))
         return named
     user = Path(platformdirs.user_config_dir("fraese")) / FILE_NAME
-    return next((path for path in (Path(FILE_NAME), user) if _is_file(path)), None)
+    return next((path for path in (Path(FILE_NAME), user) if is_plain_file(path)), None)
 
 
-def _is_file(path: Path) -> bool:
-    """Whether there is one; what only looks like one never means that there is none.
+def is_plain_file(path: Path) -> bool:
+    """Whether there is a file; what only looks like one never means that there is none.
 
     Raises:
         ConfigError: if that cannot be seen (a name too long, a folder that cannot be read), or
@@ -255,7 +255,7 @@ def _annotate(section: Section, path: str, lines: list[str]) -> None:
             continue
         if value is None and isinstance(section, AxesConfig):
             continue  # one of the letters that this machine has not
-        lines.append(f"# {field.description}{_choices(field.annotation)}{_bounds(field.metadata)}")
+        lines.append(f"# {field.description}{_one_of(field.annotation)}{bounds_of(field.metadata)}")
         if not path and key in _BY_EXAMPLE:
             lines += [f"#{line}" for line in _BY_EXAMPLE[key]]
             continue
@@ -284,7 +284,7 @@ def _example_table(path: str, annotation: Any) -> list[str]:
     for key, field in section.model_fields.items():
         if key.endswith("_deg"):
             continue  # the example is a linear axis
-        lines.append(f"# {field.description}{_bounds(field.metadata)}")
+        lines.append(f"# {field.description}{bounds_of(field.metadata)}")
         value = field.examples[0] if field.examples else field.default
         lines.append("#" + _entry(key, value, field.annotation).removeprefix("#"))
     return lines
@@ -292,7 +292,7 @@ def _example_table(path: str, annotation: Any) -> list[str]:
 
 def _example(annotation: Any) -> str:
     """A value for a key that has none by default."""
-    if choices := _literals(annotation):
+    if choices := choices_of(annotation):
         return _as_toml(choices[-1])
     kinds = get_args(annotation)
     if any(get_origin(kind) is tuple for kind in kinds):
@@ -305,7 +305,7 @@ def _example(annotation: Any) -> str:
     return next(iter([*tables, *numbers]))
 
 
-def _literals(annotation: Any) -> tuple[Any, ...]:
+def choices_of(annotation: Any) -> tuple[Any, ...]:
     """What a field may be, if that is a list; also one that may be left out."""
     may_be_left_out = type(None) in get_args(annotation)
     for option in get_args(annotation) if may_be_left_out else (annotation,):
@@ -314,12 +314,12 @@ def _literals(annotation: Any) -> tuple[Any, ...]:
     return ()
 
 
-def _choices(annotation: Any) -> str:
-    choices = ", ".join(str(choice) for choice in _literals(annotation))
+def _one_of(annotation: Any) -> str:
+    choices = ", ".join(str(choice) for choice in choices_of(annotation))
     return f" One of: {choices}." if ", " in choices else ""
 
 
-def _bounds(metadata: list[Any]) -> str:
+def bounds_of(metadata: list[Any]) -> str:
     """What the field's limits are, in brackets; nothing without limits."""
     signs = {"gt": "above", "ge": "from", "lt": "below", "le": "up to"}
     found = [

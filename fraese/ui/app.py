@@ -44,6 +44,7 @@ from fraese.ui.machinelink import MachineLink
 from fraese.ui.messages import Alarmed, Noted, Refused
 from fraese.ui.programs import OpenProgram, ProgramDesk, Recent, Resume, nothing_is_kept
 from fraese.ui.questions import Questions
+from fraese.ui.settings import SettingsDesk
 from fraese.ui.settled import freeze
 from fraese.ui.stopkey import EarlyStop, Heard
 from fraese.ui.themes import THEMES
@@ -79,6 +80,7 @@ class FraeseApp(ViewedApp):
         tools: who knows the language.
         history: where typed lines are kept; None: nowhere.
         keys: the table, if keys were changed; None: as they are.
+        settings: the configuration file; None: there is none.
 
     Attributes:
         link: to the machine.
@@ -107,6 +109,7 @@ class FraeseApp(ViewedApp):
         tools: HandTools | None = None,
         history: Path | None = None,
         keys: KeyTable | None = None,
+        settings: SettingsDesk | None = None,
     ) -> None:
         self.link = MachineLink(controller, self.post_message)
         self._early_stop = EarlyStop(STOP_KEYS, self.link.brake_or_stop)
@@ -137,6 +140,7 @@ class FraeseApp(ViewedApp):
             Desk(
                 self.link, self._keys, self._repeats, self._programs, machine_name, hand,
                 self._events, tools or NoTools(), LineHistory(history), writer, bench,
+                settings,
             ),
         )  # fmt: skip
 

@@ -28,6 +28,7 @@ TOGETHER: Final = (
     frozenset({*_VIEWS, Area.CALIBRATE}),
     frozenset({*_VIEWS, Area.BENCH}),
     frozenset({*_VIEWS, Area.LOG}),
+    frozenset({*_VIEWS, Area.SETTINGS}),
 )
 
 

@@ -35,6 +35,8 @@ class Area(Enum):
     SWITCHES = "switch test"
     FORM = "a question"
     CONSENT = "write the configuration"
+    SETTINGS = "Settings"
+    SETTING = "a key of the configuration"
     HELP = "help"
 
 
@@ -94,4 +96,4 @@ class Row:
         return " ".join(dict.fromkeys([self.shown, *others]))
 
 
-_OWN_VIEWS: Final = (Area.PROGRAM, Area.CALIBRATE, Area.BENCH, Area.LOG)
+_OWN_VIEWS: Final = (Area.PROGRAM, Area.CALIBRATE, Area.BENCH, Area.LOG, Area.SETTINGS)

@@ -25,6 +25,7 @@ from fraese.ui.keyrows.machine import (
 )
 from fraese.ui.keyrows.program import PROGRAM
 from fraese.ui.keyrows.row import Area, Row
+from fraese.ui.keyrows.settings import SETTINGS, SETTINGS_DIALOGS
 from fraese.ui.shape import Shape
 from fraese.ui.widths import REPEAT_FROM, widths
 
@@ -36,6 +37,7 @@ GROUPS: Final = (
     "Program",
     "Calibrate",
     "Bench",
+    "Settings",
     "Display",
     "Log",
     "Machine",
@@ -99,6 +101,7 @@ class KeyTable:
             *(CALIBRATE if "calibrate" in self.views else ()),
             *(BENCH if "bench" in self.views else ()),
             *frame.LOG,
+            *(SETTINGS if "settings" in self.views else ()),
         )
         change = changing(self.commands, changes)
         self.views = {name: change(row) for name, row in self.views.items()}
@@ -108,12 +111,18 @@ class KeyTable:
         boxes = (choose(axis) for axis in shape.axes)
         self.rows = (
             *self.commands, *byhand.DIALOGS, *BEFORE_AXES, *boxes, *AFTER_AXES, *CALIBRATE_DIALOGS,
+            *SETTINGS_DIALOGS,
         )  # fmt: skip
         self.rows = tuple(map(_in_words, self.rows))
         self.commands = tuple(map(_in_words, self.commands))
         self.listed = tuple(map(_in_words, self.listed))
         self.views = {name: _in_words(row) for name, row in self.views.items()}
         self._step_word = shape.step_word
+
+    @property
+    def changeable(self) -> tuple[Row, ...]:
+        """Commands whose keys may be changed."""
+        return tuple(row for row in self.commands if row.area is not Area.EVERYWHERE)
 
     def of(self, *areas: Area) -> Iterable[Row]:
         """The rows of these areas, in the order of the table."""

@@ -7,8 +7,10 @@ from fraese.ui.views.calibrate import CalibrateView
 from fraese.ui.views.log import LogView
 from fraese.ui.views.machine import MachineView
 from fraese.ui.views.program import ProgramView
+from fraese.ui.views.settings import SettingsView
 from fraese.ui.views.view import View
 
 VIEWS: Final[dict[str, type[View]]] = {
-    view.NAME: view for view in (MachineView, ProgramView, CalibrateView, BenchView, LogView)
+    view.NAME: view
+    for view in (MachineView, ProgramView, CalibrateView, BenchView, LogView, SettingsView)
 }

@@ -31,6 +31,7 @@ from fraese.ui.keyrows.everywhere import QUIT_AT_ONCE, STOP
 from fraese.ui.linehistory import LineHistory
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.programs import ProgramDesk
+from fraese.ui.settings import SettingsDesk
 from fraese.ui.themes import after
 from fraese.ui.widgets.keybar import KeyBar
 from fraese.ui.widgets.links import Link
@@ -63,6 +64,7 @@ class Desk:
         history: lines that were typed.
         writer: writes the configuration file; None: there is none to write.
         bench: the machine as it lies open; None: nobody has opened it.
+        settings: the configuration file; None: there is none.
     """
 
     link: MachineLink
@@ -76,6 +78,7 @@ class Desk:
     history: LineHistory
     writer: Writer | None = None
     bench: Bench | None = None
+    settings: SettingsDesk | None = None
 
 
 class View(Screen[None]):
