@@ -26,6 +26,8 @@ from fraese.ui.app import FraeseApp
 
 #: In the state folder: what was typed in the app.
 _TYPED_LINES: Final = "typed-lines"
+#: And what it looked like.
+_SESSION: Final = "session.json"
 
 
 def run(on: Drive, file: Path | None) -> int:
@@ -78,6 +80,7 @@ def make_app(
         history=kept.state_folder / _TYPED_LINES,
         keys=appkeys.table_of(plant.controller, plant.config, on.config),
         settings=AppSettings(on.config, plant.controller),
+        session=kept.state_folder / _SESSION,
     )
 
 

@@ -44,11 +44,12 @@ from fraese.ui.machinelink import MachineLink
 from fraese.ui.messages import Alarmed, Noted, Refused
 from fraese.ui.programs import OpenProgram, ProgramDesk, Recent, Resume, nothing_is_kept
 from fraese.ui.questions import Questions
+from fraese.ui.remembering import RememberingApp
+from fraese.ui.session import SessionFile
 from fraese.ui.settings import SettingsDesk
 from fraese.ui.settled import freeze
 from fraese.ui.stopkey import EarlyStop, Heard
 from fraese.ui.themes import THEMES
-from fraese.ui.viewed import ViewedApp
 from fraese.ui.views import VIEWS
 from fraese.ui.views.view import Desk, View
 from fraese.ui.widths import RepeatRule
@@ -61,7 +62,7 @@ _SWITCH_INTERVAL_S: Final = 0.0005
 _SETTLED_S: Final = 0.5
 
 
-class FraeseApp(ViewedApp):
+class FraeseApp(RememberingApp):
     """The terminal app.
 
     Args:
@@ -81,6 +82,7 @@ class FraeseApp(ViewedApp):
         history: where typed lines are kept; None: nowhere.
         keys: the table, if keys were changed; None: as they are.
         settings: the configuration file; None: there is none.
+        session: where it is kept what is remembered; None: nowhere.
 
     Attributes:
         link: to the machine.
@@ -110,6 +112,7 @@ class FraeseApp(ViewedApp):
         history: Path | None = None,
         keys: KeyTable | None = None,
         settings: SettingsDesk | None = None,
+        session: Path | None = None,
     ) -> None:
         self.link = MachineLink(controller, self.post_message)
         self._early_stop = EarlyStop(STOP_KEYS, self.link.brake_or_stop)
@@ -133,14 +136,17 @@ class FraeseApp(ViewedApp):
         self._drawn_at_s = 0.0
         self._draw_planned = False
         bind(self, self._keys.of(Area.EVERYWHERE))
+        self._session = SessionFile(session)
         self._programs = ProgramDesk(open_program, program, resume, recent)
         self._events = EventLog()
+        self._inputs = dict(self._session.found.inputs)
+        self.remember_files()
         self.make_views(
             views,
             Desk(
                 self.link, self._keys, self._repeats, self._programs, machine_name, hand,
                 self._events, tools or NoTools(), LineHistory(history), writer, bench,
-                settings,
+                settings, self._inputs,
             ),
         )  # fmt: skip
 
@@ -151,6 +157,7 @@ class FraeseApp(ViewedApp):
         for theme in THEMES:
             self.register_theme(theme)
         self.theme = THEMES[0].name
+        self.remember_picture()
         self._draw(self._state)
         sys.setswitchinterval(_SWITCH_INTERVAL_S)
         if not self.is_headless:
@@ -160,9 +167,10 @@ class FraeseApp(ViewedApp):
             self.view.note(note, warning=True)
 
     def on_unmount(self) -> None:
-        """Motors off."""
+        """Motors off; what is remembered is written."""
         self._programs.close()
         self.link.close()
+        self._session.keep(self.session())
 
     async def run_async(self, **options: Any) -> None:
         """As Textual's; on every way out the motors are off."""

@@ -323,13 +323,16 @@ class ProgramDesk:
         self.path = path
         self.program: Program | None = None
         self.look: Look | None = None
+        #: Where programs were looked for the last time.
+        self.last_folder: Path | None = None
 
     @property
     def folder(self) -> Path:
         """Where programs are looked for."""
         with suppress(OSError):
-            if self.path is not None and self.path.parent.is_dir():
-                return self.path.parent
+            for folder in (self.path and self.path.parent, self.last_folder):
+                if folder is not None and folder.is_dir():
+                    return folder
             return Path.cwd()
         return Path.home()
 

@@ -93,5 +93,9 @@ def test_what_does_not_go_well_writes_nothing(mill: Shop) -> None:
     assert mill.run("calibrate", "travel", "XY").exit_code == 2
     mill.file(MILL, "other.toml")
     Path("other.toml").chmod(0o444)
+    result = mill.run("--config", "other.toml", "calibrate", "travel", "X", "--write")
+    assert "other.toml: is write-protected" in result.stderr
+    assert Path("other.toml").read_text() == MILL
+    Path("other.toml").chmod(0o644)
     values = mill.json("--config", "other.toml", "calibrate", "travel", "X", "--write")
     assert values["calibration"]["written"] == "other.toml", "said in front, it holds"

@@ -19,6 +19,9 @@ from fraese.ui.machinelink import MachineLink
 from fraese.ui.widgets.fact import Fact, Lines
 
 _HALF: Final = re.compile(r"([a-z])\s*/\s*2", re.IGNORECASE)
+#: Under these names it is remembered.
+_POSITION: Final = "set position"
+_CYCLE: Final = "probe"
 _VALUE: Final = re.compile(r"([a-z]+)\s*=?\s*(\d+(?:[.,]\d+)?)\s*", re.IGNORECASE)
 
 
@@ -66,10 +69,15 @@ class SetDialog(LineDialog):
     HEADING = spoken("The present position is to be")
     YES = spoken("Set")
 
-    def __init__(self, keys: KeyTable, link: MachineLink) -> None:
-        super().__init__(
-            keys, link, example=spoken("X0 Y0   or   Z12.5 (on a plate)   or   X/2 (half)")
-        )
+    def __init__(self, keys: KeyTable, link: MachineLink, inputs: dict[str, str]) -> None:
+        example = spoken("X0 Y0   or   Z12.5 (on a plate)   or   X/2 (half)")
+        super().__init__(keys, link, inputs.get(_POSITION, ""), example)
+        self._inputs = inputs
+
+    def taken(self, line: str) -> None:
+        """It is offered again the next time."""
+        self._inputs[_POSITION] = line
+        super().taken(line)
 
     def command(self, line: str) -> Command:
         """Coordinates for some axes."""
@@ -174,11 +182,15 @@ class ProbeDialog(LineDialog):
         ("centre of a boss", "diameter 3 width 20 depth 3 reach 20"),
     )
 
-    def __init__(self, keys: KeyTable, link: MachineLink, tools: HandTools) -> None:
+    def __init__(
+        self, keys: KeyTable, link: MachineLink, tools: HandTools, inputs: dict[str, str]
+    ) -> None:
         super().__init__(keys, link)
         self._tools = tools
+        self._inputs = inputs
         self._cycles = tools.cycles(link.shape.names)
-        self._at = 0
+        last = inputs.get(_CYCLE, "")
+        self._at = self._cycles.index(last) if last in self._cycles else 0
         self._cycle = Fact("", classes="one-line line-text")
 
     def inner(self) -> ComposeResult:
@@ -203,7 +215,14 @@ class ProbeDialog(LineDialog):
                 "{name}   ({at} of {count})", name=name, at=self._at + 1, count=len(self._cycles)
             )
         )
-        self.put(next(told for word, told in self._TOLD if name.startswith(word)))
+        proposed = next(told for word, told in self._TOLD if name.startswith(word))
+        self.put(self._inputs.get(f"{_CYCLE} {name}", proposed))
+
+    def taken(self, line: str) -> None:
+        """It is offered again the next time."""
+        name = self._cycles[self._at]
+        self._inputs |= {_CYCLE: name, f"{_CYCLE} {name}": line}
+        super().taken(line)
 
     def command(self, line: str) -> Command:
         """The cycle with these values."""

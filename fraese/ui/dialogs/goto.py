@@ -1,12 +1,11 @@
 """Where to go, asked as words."""
 
-from dataclasses import dataclass
 from enum import Enum
 
 from textual.app import ComposeResult
 from textual.widgets import RadioButton, RadioSet
 
-from fraese.axiswords import Target, target
+from fraese.axiswords import target
 from fraese.phrases import spoken
 from fraese.ui.dialogs.dialog import Choice
 from fraese.ui.dialogs.line import Command, LineDialog
@@ -15,6 +14,8 @@ from fraese.ui.machinelink import MachineLink
 from fraese.ui.shape import Shape
 from fraese.ui.widgets.fact import Fact
 
+#: Under these names it is remembered.
+_LINE, _FROM = "go to", "go to, counted from"
 _NUMBERS = ("10", "5", "-1", "90")
 
 
@@ -24,15 +25,6 @@ class From(Enum):
     WORK = spoken("work zero")
     MACHINE = spoken("machine zero")
     HERE = spoken("here")
-
-
-@dataclass(frozen=True, slots=True)
-class GoTo:
-    """What was asked for; ``text`` is offered again the next time."""
-
-    target: Target
-    counted_from: From
-    text: str
 
 
 def example(shape: Shape) -> str:
@@ -49,18 +41,18 @@ class GoToDialog(LineDialog):
     Args:
         keys: the table.
         link: to the machine.
-        last: what was asked for the time before, if anything.
+        inputs: what was typed last, by the name of the question.
     """
 
     AREA = Area.GO_TO
     HEADING = spoken("Go to")
     YES = spoken("Go")
 
-    def __init__(self, keys: KeyTable, link: MachineLink, last: GoTo | None) -> None:
-        super().__init__(keys, link, last.text if last else "", example(link.shape))
-        self._counted_from = last.counted_from if last else From.WORK
-        #: What was begun.
-        self.wanted = last
+    def __init__(self, keys: KeyTable, link: MachineLink, inputs: dict[str, str]) -> None:
+        super().__init__(keys, link, inputs.get(_LINE, ""), example(link.shape))
+        names = From.__members__
+        self._inputs = inputs
+        self._counted_from = names.get(inputs.get(_FROM, ""), From.WORK)
 
     def inner(self) -> ComposeResult:
         """One input, one choice."""
@@ -79,10 +71,16 @@ class GoToDialog(LineDialog):
     def command(self, line: str) -> Command:
         """Read the words."""
         chosen = list(From)[self.query_one(RadioSet).pressed_index]
-        self.wanted = wanted = GoTo(target(line, self.link.shape.names), chosen, line)
+        wanted = target(line, self.link.shape.names)
+        self._counted_from = chosen
         return lambda controller: controller.move_to(
-            wanted.target.targets_mm,
+            wanted.targets_mm,
             relative=chosen is From.HERE,
             machine_coordinates=chosen is From.MACHINE,
-            feed_mm_min=wanted.target.feed_mm_min,
+            feed_mm_min=wanted.feed_mm_min,
         )
+
+    def taken(self, line: str) -> None:
+        """It is offered again the next time."""
+        self._inputs |= {_LINE: line, _FROM: self._counted_from.name}
+        super().taken(line)

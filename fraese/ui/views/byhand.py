@@ -19,7 +19,7 @@ class ByHand(AfterFaults):
 
     def action_set_position(self) -> None:
         """What the present position is to be."""
-        self.app.push_screen(SetDialog(self.desk.keys, self.desk.link), self._set)
+        self.app.push_screen(SetDialog(self.desk.keys, self.desk.link, self.desk.inputs), self._set)
 
     def _set(self, line: str | None) -> None:
         if line:
@@ -52,6 +52,6 @@ class ByHand(AfterFaults):
         if desk.link.moving:
             self.refuse(BUSY)
         elif desk.tools.cycles(desk.link.shape.names):
-            self.app.push_screen(ProbeDialog(desk.keys, desk.link, desk.tools))
+            self.app.push_screen(ProbeDialog(desk.keys, desk.link, desk.tools, desk.inputs))
         else:
             self.refuse(spoken("There is no probing cycle for this machine."))

@@ -1,6 +1,7 @@
 """Calibration: routines on the left, on the right what the chosen one does and has found."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Final
 
 from textual.app import ComposeResult
@@ -213,8 +214,20 @@ class CalibrateView(View):
 
     def _form(self, name: str, fields: Sequence[Field], begin: Callable[[Words], bool]) -> None:
         """Ask, and begin; what is wrong with a value is said in the dialog."""
-        routine = ROUTINES[name]
+        routine, inputs = ROUTINES[name], self.desk.inputs
         done: list[bool] = []
+
+        def remembered(field: str) -> str:
+            return f"calibrate {name} {self.axis.name} {field}"
+
+        def begun(words: Words | None) -> None:
+            inputs.update({remembered(field): word for field, word in (words or {}).items()})
+            self.expect(all(done))
+
+        fields = [
+            replace(field, value=inputs.get(remembered(field.name), field.value))
+            for field in fields
+        ]
         dialog = FormDialog(
             self.desk.keys,
             f"{routine.title}: {self.axis.letter}",
@@ -222,7 +235,7 @@ class CalibrateView(View):
             fields,
             check=lambda words: done.append(begin(words)),
         )
-        self.app.push_screen(dialog, lambda words: self.expect(all(done)))
+        self.app.push_screen(dialog, begun)
 
     def _reference(self, wanted: Reference | None) -> None:
         if wanted is not None:

@@ -14,7 +14,7 @@ from textual.geometry import Size
 from fraese.control.state import MachineState
 from fraese.phrases import shown, spoken
 from fraese.ui.dialogs.confirm import ConfirmDialog
-from fraese.ui.dialogs.goto import GoTo, GoToDialog
+from fraese.ui.dialogs.goto import GoToDialog
 from fraese.ui.dialogs.reference import Reference, ReferenceDialog
 from fraese.ui.dialogs.switches import SwitchPage
 from fraese.ui.keyrows import Area
@@ -52,7 +52,6 @@ class MachineView(RunsPrograms, ByHand):
         self.set_class(len(shape.axes) >= _MANY_AXES, "-many")
         self._choice = widths(shape)
         self._width = FIRST_WIDTH
-        self._last_go_to: GoTo | None = None
         self._program = Flowing(spoken("no program"), id="program")
         self._position = PositionPanel(shape)
         width_keys = [row for row in keys.commands if row.action.startswith("set_width")]
@@ -168,13 +167,8 @@ class MachineView(RunsPrograms, ByHand):
 
     def action_go_to(self) -> None:
         """Ask where to."""
-        dialog = GoToDialog(self.desk.keys, self.desk.link, self._last_go_to)
-
-        def gone(line: str | None) -> None:
-            if line is not None:
-                self._last_go_to = dialog.wanted
-
-        self.app.push_screen(dialog, gone)
+        desk = self.desk
+        self.app.push_screen(GoToDialog(desk.keys, desk.link, desk.inputs))
 
     def action_reference(self) -> None:
         """Ask which axes."""

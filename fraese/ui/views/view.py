@@ -11,7 +11,7 @@ views, one row among the keys that lead to views, and an area of the key table.
 """
 
 from abc import abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 from textual.app import ComposeResult
@@ -65,6 +65,7 @@ class Desk:
         writer: writes the configuration file; None: there is none to write.
         bench: the machine as it lies open; None: nobody has opened it.
         settings: the configuration file; None: there is none.
+        inputs: what was typed last, by the name of the question; it is remembered.
     """
 
     link: MachineLink
@@ -79,6 +80,7 @@ class Desk:
     writer: Writer | None = None
     bench: Bench | None = None
     settings: SettingsDesk | None = None
+    inputs: dict[str, str] = field(default_factory=dict)
 
 
 class View(Screen[None]):

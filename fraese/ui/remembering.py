@@ -1,0 +1,61 @@
+"""The app begins as it was left: view, look, file and what was typed."""
+
+import contextlib
+from pathlib import Path
+from typing import Final
+
+from fraese.ui.eventlog import EventLog, Kind
+from fraese.ui.programs import ProgramDesk
+from fraese.ui.session import Session, SessionFile, keepable, shortened
+from fraese.ui.viewed import ViewedApp
+
+#: What is remembered is written so often, if it has changed.
+_KEEP_EVERY_S: Final = 2.0
+
+
+class RememberingApp(ViewedApp):
+    """An app that goes on where it was left; its file is opened again, and not started."""
+
+    _session: SessionFile
+    _programs: ProgramDesk
+    _events: EventLog
+    _inputs: dict[str, str]
+
+    def remember_files(self) -> None:
+        """As the last time: folder, and the file that was open; before a view looks for it."""
+        found = self._session.found
+        if self._session.word:
+            self._events.add(self._session.word, Kind.WARNING)
+        if found.folder:
+            self._programs.last_folder = Path(found.folder)
+        if found.file and self._programs.path is None:
+            self._open_again(Path(found.file))
+
+    def remember_picture(self) -> None:
+        """As the last time: look and view; from now on it is kept what changes."""
+        found = self._session.found
+        if found.theme in self.available_themes:
+            self.theme = found.theme
+        if found.view:
+            self.call_later(self.action_show_view, found.view)
+        if self._session.is_kept:
+            self.set_interval(_KEEP_EVERY_S, lambda: self._session.keep_beside(self.session()))
+
+    def _open_again(self, path: Path) -> None:
+        with contextlib.suppress(OSError):
+            if path.is_file():
+                self._programs.path = path
+                return
+        self._events.add(f"{path.name} was open the last time, and is not there any more.")
+
+    def session(self) -> Session:
+        """What there is to remember."""
+        programs = self._programs
+        loaded = programs.path if programs.program is not None else None
+        return Session(
+            view=self.current_mode,
+            theme=self.theme,
+            file=keepable(loaded),
+            folder=keepable(programs.folder),
+            inputs=shortened(self._inputs),
+        )

@@ -1,0 +1,135 @@
+"""What the app remembers from one day to the next: view, look, file, folder, what was typed.
+
+Rule 1: it is a comfort. What cannot be read, is damaged, or comes from a newer program is
+        forgotten, with a word; what cannot be written is let go.
+Rule 2: it is written when something has changed, beside everything else, so that also an app that
+        is killed has left it. Where two apps run, the last one wins.
+Rule 3: a file that was open is opened again, and never started.
+"""
+
+import os
+import threading
+from contextlib import suppress
+from pathlib import Path
+from typing import Annotated, Final, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from fraese.errors import ConfigError
+from fraese.journal.files import make_folder, open_plain, read_all, replace
+from fraese.phrases import phrase
+
+_VERSION: Final = 1
+_MOST_BYTES: Final = 1 << 17
+_MOST_INPUTS: Final = 200
+
+#: Characters.
+_NAME, _PATH, _INPUT = 60, 4096, 500
+
+_Name = Annotated[str, Field(max_length=_NAME)]
+_Path = Annotated[str, Field(max_length=_PATH)]
+_Input = Annotated[str, Field(max_length=_INPUT)]
+
+
+class Session(BaseModel):
+    """What is remembered.
+
+    Attributes:
+        version: of these words.
+        view: the one that was seen.
+        theme: the look.
+        file: the program that was open; empty: none.
+        folder: where programs were looked for.
+        inputs: what was typed last, by the name of the question.
+    """
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    version: Literal[1] = _VERSION
+    view: _Name = ""
+    theme: _Name = ""
+    file: _Path = ""
+    folder: _Path = ""
+    inputs: dict[_Name, _Input] = Field({}, max_length=_MOST_INPUTS)
+
+
+class SessionFile:
+    """Where it is kept.
+
+    Args:
+        path: of the file; None: nothing is kept.
+
+    Attributes:
+        found: what was kept the last time.
+        word: why something was forgotten, a sentence; empty: nothing was.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        self._path = path
+        self._kept = b""
+        self._lock = threading.Lock()
+        self.word = ""
+        self.found = self._read()
+
+    @property
+    def is_kept(self) -> bool:
+        """There is a place for it."""
+        return self._path is not None
+
+    def _read(self) -> Session:
+        if self._path is None:
+            return Session()
+        try:
+            fd = open_plain(self._path, os.O_RDONLY)
+            if fd is None:
+                return Session()
+            try:
+                content = read_all(fd, _MOST_BYTES)
+            finally:
+                os.close(fd)
+            return Session.model_validate_json(content)
+        except ValidationError as error:
+            newer = any(each["loc"] == ("version",) for each in error.errors(include_url=False))
+            self.word = (
+                phrase("The last session is forgotten: another version of the program kept it.")
+                if newer
+                else phrase("The last session is forgotten: {path} is damaged.", path=self._path)
+            )
+        except (OSError, ConfigError):
+            self.word = phrase(
+                "The last session is forgotten: {path} cannot be read.", path=self._path
+            )
+        return Session()
+
+    def keep(self, session: Session) -> None:
+        """Write it, if it is another than last time; from any thread."""
+        content = session.model_dump_json(indent=1).encode()
+        with self._lock, suppress(OSError, ConfigError):
+            if self._path is None or content == self._kept:
+                return
+            make_folder(self._path.parent)
+            replace(self._path, content)
+            self._kept = content
+
+    def keep_beside(self, session: Session) -> None:
+        """The same in a thread of its own: a disk may be slow."""
+        content = session.model_copy(deep=True)
+        threading.Thread(target=self.keep, args=(content,), name="session", daemon=True).start()
+
+
+def shortened(inputs: dict[str, str]) -> dict[str, str]:
+    """Those that were typed last, as many and as much of them as is kept."""
+    latest = list(inputs.items())[-_MOST_INPUTS:]
+    fitting = {name: text for name, text in latest if len(name) <= _NAME and len(text) <= _INPUT}
+    return {name: text for name, text in fitting.items() if _is_text(text)}
+
+
+def keepable(path: Path | None) -> str:
+    """A whole path; empty, if it is none or cannot be kept as text."""
+    whole = str(path.absolute()) if path is not None else ""
+    return whole if len(whole) <= _PATH and _is_text(whole) else ""
+
+
+def _is_text(text: str) -> bool:
+    # Of a name that is no UTF-8 there are pieces that no file of text can hold.
+    return not any("\ud800" <= character <= "\udfff" for character in text)
