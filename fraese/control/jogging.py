@@ -8,10 +8,13 @@ Rule 1: presses add up. What waits of one axis becomes one line as soon as its t
 Rule 2: the opposite of what is in hand brakes at once, then goes the other way. The press that was
         being made counts as made, so that the axis stays on the grid of what was pressed; but the
         axis never goes on in the old direction for it. What had not begun is left out, and told.
-Rule 3: a key that is held is no row of presses: of it no more than one width waits, and when it is
-        let go the axis stops at the next whole one.
-Rule 4: nothing else is left out without a word (``tell``).
-Rule 5: what is pressed in mm is added in mm: no rounding to steps adds up.
+Rule 3: what is held runs on to the limit, and is braked as soon as it is held no more; on an axis
+        that is not referenced it is no longer than a jog. It begins behind what waits, and takes
+        the place of what its own key was pressed for and has not begun.
+Rule 4: of a key that is held, but moves by single widths, no more than one width waits, and when it
+        is let go the axis stops at the next whole one.
+Rule 5: nothing else is left out without a word (``tell``).
+Rule 6: what is pressed in mm is added in mm: no rounding to steps adds up.
 """
 
 import threading
@@ -23,6 +26,7 @@ from fraese.blocks import Watch
 from fraese.control import lines, softlimits
 from fraese.control.about import BY_HAND
 from fraese.control.controller import Controller
+from fraese.control.heldjog import Hold
 from fraese.control.jobs import Job, Standstill
 from fraese.control.presses import Group, Press, Waiting
 from fraese.errors import FraeseError
@@ -44,6 +48,7 @@ class _Hand:
         ends_mm: the same, not rounded.
         target: where the line ends.
         watch: what the line needs to leave a closed switch.
+        hold: it is made for as long as this is held.
     """
 
     motor: int
@@ -52,6 +57,16 @@ class _Hand:
     ends_mm: tuple[float, ...]
     target: Steps
     watch: Watch | None
+    hold: Hold | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Held:
+    """What is to run for as long as it is held."""
+
+    motor: int
+    sign: int
+    hold: Hold
 
 
 class Jogs:
@@ -76,6 +91,7 @@ class Jogs:
         self._lock = threading.Lock()
         self._waiting = Waiting(self._axes)
         self._hand: _Hand | None = None
+        self._held: _Held | None = None
         self._is_turned = False
         # Presses that were left out when it was turned; None: that is no news.
         self._left_out: int | None = None
@@ -100,7 +116,10 @@ class Jogs:
         with self._lock:
             hand, axis = self._hand, self._axes[press.motor]
             way = press.way_steps(axis)
-            if self._is_turned and hand is not None and press.motor == hand.motor:
+            self._end_hold()
+            if hand is not None and hand.hold is not None:
+                self._waiting.add(press)
+            elif self._is_turned and hand is not None and press.motor == hand.motor:
                 self._waiting.add_first(press)
             elif hand is not None and press.motor == hand.motor and way * hand.sign < 0:
                 self._turn(hand)
@@ -110,11 +129,31 @@ class Jogs:
             return self._job is not None
 
     @any_thread
-    def let_go(self) -> None:
-        """A held key was let go: stop at the next whole width."""
+    def hold(self, name: str, sign: int, hold: Hold) -> bool:
+        """Let this axis run in its turn, for as long as it is held; whether there is a job for it.
+
+        Args:
+            name: of the axis,
+            sign: and which way.
+            hold: says whether it is held.
+        """
         with self._lock:
+            self._end_hold()
+            motor = self._controller.machine.index(name)
+            if not self._is_turned:
+                self._waiting.drop(motor, sign)
+            self._held = _Held(motor, sign, hold)
+            return self._job is not None
+
+    @any_thread
+    def let_go(self) -> None:
+        """A held key was let go: brake, or stop at the next whole width."""
+        with self._lock:
+            self._end_hold()
             hand = self._hand
-            if hand is not None and not self._is_turned and self._has_more(hand):
+            if hand is None or hand.hold is not None:
+                return
+            if not self._is_turned and self._has_more(hand):
                 self._waiting.drop(hand.motor, hand.sign)
                 self._waiting.turn(hand.motor)
                 self._is_turned = True
@@ -131,6 +170,10 @@ class Jogs:
         """What waits: names of axes, and how many presses, signed."""
         with self._lock:
             return tuple((self._axes[motor].name, n) for motor, n in self._waiting.counts())
+
+    def _end_hold(self) -> None:
+        if self._held is not None:
+            self._held.hold.let_go()
 
     def _turn(self, hand: _Hand) -> None:
         self._left_out = self._waiting.drop(hand.motor, hand.sign)
@@ -171,7 +214,7 @@ class Jogs:
         try:
             while hand is not None:
                 yield from lines.line_to(where, hand.target, feed_mm_min, hand.watch)
-                yield Standstill(cut=lambda: self._is_turned and self._job is job)
+                yield Standstill(cut=self._cuts(job, hand))
                 self._put_down(job, hand)
                 hand = self._next(job)
         finally:
@@ -179,18 +222,29 @@ class Jogs:
                 if self._job is job:
                     self._clear()
 
+    def _cuts(self, job: object, hand: _Hand) -> Callable[[], bool]:
+        """Says whether what is in hand is to end at once."""
+
+        def is_over() -> bool:
+            let_go = hand.hold is not None and not hand.hold.is_held
+            return self._job is job and (let_go or self._is_turned)
+
+        return is_over
+
     def _next(self, job: object) -> _Hand | None:
         """What is to be done now; None: nothing any more."""
         while True:
             with self._lock:
                 if self._job is not job:
                     return None
-                if not self._waiting:
+                if not self._waiting and self._held is None:
                     self._clear()
                     return None
-                group = self._waiting.take()
                 try:
-                    self._hand = self._aimed(group)
+                    if self._waiting:
+                        self._hand = self._aimed(self._waiting.take())
+                    else:
+                        self._hand = self._taken_hold()
                 except FraeseError as error:
                     self._hand, refused = None, str(error)
                 else:
@@ -200,8 +254,9 @@ class Jogs:
             self._refuse(refused)
 
     def _clear(self) -> None:
+        self._end_hold()
         self._waiting.clear()
-        self._job = self._hand = None
+        self._job = self._hand = self._held = None
         self._is_turned, self._left_out = False, None
 
     def _aimed(self, group: Group) -> _Hand | None:
@@ -234,15 +289,56 @@ class Jogs:
         sign = 1 if distance_steps > 0 else -1
         return _Hand(motor, sign, ends_steps, tuple(ends_mm), target, watch)
 
+    def _taken_hold(self) -> _Hand | None:
+        """What is held, if it still is.
+
+        Raises:
+            LimitError: if the axis stands at its limit.
+            StateError: if it would move into a closed switch.
+        """
+        held, self._held = self._held, None
+        if held is None or not held.hold.is_held:
+            return None
+        motor, sign = held.motor, held.sign
+        axis, where = self._axes[motor], self._controller.position
+        longest_mm = self._controller.config.jog.max_mm
+        if where.referenced[motor] and not axis.is_endless:
+            longest_mm = max(longest_mm, axis.high_mm - axis.low_mm)
+        way_steps = sign * axis.to_steps(longest_mm)
+        target = softlimits.jog_target(where, motor, way_steps, longest_mm, clamp=True)
+        watch = self._controller.switches.watch_for_jog(motor, way_steps)
+        self._held = held
+        return _Hand(motor, sign, (), (), target, watch, held.hold)
+
     def _put_down(self, job: object, hand: _Hand) -> None:
         """It has come to rest: at its end, at the limit, or where it was turned."""
         with self._lock:
             if self._job is not job:
                 return
-            told = self._turned(hand) if self._is_turned else self._ended(hand)
+            if hand.hold is not None:
+                told = self._dropped(hand, hand.hold)
+            else:
+                told = self._turned(hand) if self._is_turned else self._ended(hand)
             self._hand, self._is_turned = None, False
         if told:
             self._tell(told)
+
+    def _dropped(self, hand: _Hand, hold: Hold) -> str:
+        """What was held came to rest; something is to be said if that was not by letting it go."""
+        self._rests.pop(hand.motor, None)
+        is_its = self._held is not None and self._held.hold is hold
+        if is_its:
+            self._held = None
+        if self._here(hand) != hand.target[hand.motor] or not hold.is_held:
+            return ""
+        hold.let_go()
+        name, where = self._axes[hand.motor].name.upper(), self._controller.position
+        if where.referenced[hand.motor]:
+            return phrase("{name} has stopped at its soft limit.", name=name)
+        return phrase(
+            "{name} is not referenced: held, it goes no further than a jog (jog.max_mm).",
+            name=name,
+        )
 
     def _ended(self, hand: _Hand) -> str:
         """At its end, or at the limit; what is to be said of that."""

@@ -37,6 +37,7 @@ from fraese.ui.dialogs.switches import Hand
 from fraese.ui.eventlog import EventLog, Kind
 from fraese.ui.fingers import Fingers
 from fraese.ui.handtools import HandTools, NoTools
+from fraese.ui.heardapp import HeardApp
 from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.keyrows.everywhere import PALETTE, STOP_BYTE_KEY, STOP_KEYS
 from fraese.ui.linehistory import LineHistory
@@ -58,11 +59,13 @@ from fraese.ui.widths import RepeatRule
 _FRAME_S: Final = 0.04
 #: The step loop of a simulated mill shares the interpreter: let it have its turn soon.
 _SWITCH_INTERVAL_S: Final = 0.0005
+#: They end what a key is held for.
+_NO_HANDS: Final = (events.AppBlur, events.Resize, events.MouseDown)
 #: What the app is made of is there by then: modules, widgets, first pictures.
 _SETTLED_S: Final = 0.5
 
 
-class FraeseApp(RememberingApp):
+class FraeseApp(HeardApp, RememberingApp):
     """The terminal app.
 
     Args:
@@ -120,16 +123,14 @@ class FraeseApp(RememberingApp):
         self._leaving = leaving or (lambda code: None)
         self._has_crashed = False
         self._toast, self._toast_until_s = "", -math.inf
-        self._in_app: Callable[[Callable[[], object]], object] = lambda action: None
-        # Each is counted up by one thread only: what two count gets lost.
-        self._typed = self._queued = 0
         super().__init__()
         self._keys = keys or KeyTable(self.link.shape, views)
         self._repeats = RepeatRule()
         self._questions = Questions(self, self._keys, self.link, lambda said: self.view.say(said))
         self._fingers = Fingers(
-            self._repeats, self.set_timer, self.link.let_go, lambda: self.view.keys_rest()
-        )
+            self._repeats, self._strokes, self.set_timer, self.link.let_go,
+            lambda: self.view.keys_unsure(), lambda: self.view.keys_rest(),
+        )  # fmt: skip
         self._notes = tuple(notes)
         self._state = self.link.state()
         self._stopped_s, self._stop_key = -math.inf, ""
@@ -144,8 +145,8 @@ class FraeseApp(RememberingApp):
         self.make_views(
             views,
             Desk(
-                self.link, self._keys, self._repeats, self._programs, machine_name, hand,
-                self._events, tools or NoTools(), LineHistory(history), writer, bench,
+                self.link, self._keys, self._repeats, self._strokes, self._programs, machine_name,
+                hand, self._events, tools or NoTools(), LineHistory(history), writer, bench,
                 settings, self._inputs,
             ),
         )  # fmt: skip
@@ -237,20 +238,6 @@ class FraeseApp(RememberingApp):
             driver = Terminal
         return self._early_stop.driver(driver)
 
-    def backlog(self) -> int:
-        """So many things that were typed wait to be done; from any thread."""
-        on_its_way = self._typed - self._queued
-        return on_its_way + sum(each.message_queue_size for each in self.screen_stack[-1:])
-
-    def hears(self) -> None:
-        """One more was typed; from the terminal's thread."""
-        self._typed += 1
-        self._in_app(self._has_heard)
-
-    def _has_heard(self) -> None:
-        # What was typed lies in the queue now, behind this.
-        self._queued += 1
-
     def draw_all(self) -> None:
         """The terminal is read again, and has not seen all; from any thread."""
         self._in_app(self.refresh)
@@ -280,13 +267,17 @@ class FraeseApp(RememberingApp):
                 # It has been to the screen and comes back to be done: too late after a stop.
                 if event.time < self._stopped_s:
                     return
+                self._fingers.does(event)
             else:
-                self._fingers.press(event.key, event.time)
+                self._fingers.press(event)
                 self._heard = self._early_stop.of(event)
                 if event.key in STOP_KEYS:
                     self._stopped_s, self._stop_key = event.time, event.key
+        elif isinstance(event, _NO_HANDS):
+            self._fingers.off(all_up=isinstance(event, events.AppBlur))
         await super().on_event(event)
         self._heard = None
+        self._strokes.is_done()
 
     def action_stop_machine(self) -> None:
         """Brake; the second time while it moves, stop; end a look-through. Else the key is free."""

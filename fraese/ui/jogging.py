@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import Final
 
 from fraese.control.controller import Controller
+from fraese.control.heldjog import Hold
 from fraese.control.jogging import Jogs
 from fraese.control.worker import Worker
 
@@ -44,12 +45,20 @@ class Jogger:
     def press(self, axis: str, *, steps: int = 0, mm: float = 0.0, held: bool = False) -> bool:
         """One press; False if something other than a jog runs."""
         with self._lock:
-            if self._jogs.press(axis, steps=steps, mm=mm, held=held) or self._is_coming:
-                return True
-            self._is_coming = self._worker.submit(self._go, JOG_GROUP)
-            if not self._is_coming:
-                self._jogs.forget()
-            return self._is_coming
+            return self._begun(self._jogs.press(axis, steps=steps, mm=mm, held=held))
+
+    def hold(self, axis: str, sign: int, hold: Hold) -> bool:
+        """Run for as long as it is held; False if something other than a jog runs."""
+        with self._lock:
+            return self._begun(self._jogs.hold(axis, sign, hold))
+
+    def _begun(self, has_a_job: bool) -> bool:
+        if has_a_job or self._is_coming:
+            return True
+        self._is_coming = self._worker.submit(self._go, JOG_GROUP)
+        if not self._is_coming:
+            self._jogs.forget()
+        return self._is_coming
 
     def let_go(self) -> None:
         """A key that was held was let go."""

@@ -16,7 +16,7 @@ from textual.message import Message
 
 from fraese.control.asleft import Left, left_by_crash, take_as_left
 from fraese.control.controller import Controller
-from fraese.control.heldjog import HeldJog
+from fraese.control.heldjog import DEAD_MAN_S, Hold
 from fraese.control.state import OVERRIDES, RAPID_OVERRIDES, MachineState, Status, three_decimals
 from fraese.control.worker import Command, Worker
 from fraese.phrases import spoken
@@ -66,7 +66,7 @@ class MachineLink:
         self._jogger = Jogger(
             controller, self._worker, lambda said: post(Noted(said)), self._refused
         )
-        self._held: HeldJog | None = None
+        self._held: Hold | None = None
         self.shape = shape_of(controller)
         self.switches_tried: frozenset[str] = frozenset()
         self.left_at_start = left_by_crash(controller)
@@ -217,24 +217,32 @@ class MachineLink:
         """One press of a jog key: so many steps, or mm; ``held``: the key is held down."""
         return self._jogger.press(axis, steps=steps, mm=mm, held=held)
 
-    def hold_jog(self, axis: str, sign: int) -> bool:
-        """A jog that runs while it is held; see ``HeldJog``."""
-        self._held = held = HeldJog(time.monotonic)
-        return self.order_of(lambda controller: held.start(controller, axis, sign))
+    def hold_jog(
+        self, axis: str, sign: int, silence_s: float = DEAD_MAN_S, since_s: float | None = None
+    ) -> bool:
+        """A jog that runs while it is held; see ``Hold``."""
+        self._held = Hold(time.monotonic, silence_s, since_s)
+        return self._jogger.hold(axis, sign, self._held)
 
-    def still_held(self) -> None:
+    def still_held(self, at_s: float | None = None) -> None:
         """So it is."""
         if self._held is not None:
-            self._held.hold()
+            self._held.hold(at_s)
+
+    @property
+    def is_held(self) -> bool:
+        """Something is held, and may go on."""
+        return self._held is not None and self._held.is_held
 
     def let_go_held(self) -> None:
-        """It is not held any more."""
-        if self._held is not None:
-            self._held.let_go()
-        self._held = None
+        """It is not held any more; from any thread."""
+        held = self._held
+        if held is not None:
+            held.let_go()
 
     def let_go(self) -> None:
         """A jog key that was held was let go."""
+        self.let_go_held()
         self._jogger.let_go()
 
     @property

@@ -38,3 +38,11 @@ class Noted(Message):
         super().__init__()
         self.sentence = sentence
         self.warning = warning
+
+
+class KeyUp(Message):
+    """A key was let go, as the terminal tells."""
+
+    def __init__(self, key: str) -> None:
+        super().__init__()
+        self.key = key

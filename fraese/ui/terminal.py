@@ -8,31 +8,51 @@ Rule 2: a terminal that is gone is told of once, at once.
         Text that comes faster than fingers type is a paste, whether the terminal says so or not.
 Rule 3: what is typed faster than the app can follow is left out, but for the stop keys: no backlog
         moves a machine later. What is pasted has an end.
-Rule 4: what was typed before anything was drawn is left out, for the same reason, but for the key
+Rule 4: a key that is let go is told where the terminal knows kitty's protocol (``KeyEvents``); what
+        is held is let go at once, in this thread.
+Rule 5: a lone ESC is the Escape key when nothing follows for 30 ms. What follows later, and would
+        have been the rest of a longer key, is left out.
+Rule 6: what was typed before anything was drawn is left out, for the same reason, but for the key
         that quits.
 """
 
 import codecs
 import contextlib
 import os
+import re
 import select
 import sys
 import termios
-from collections.abc import Collection, Iterator
-from itertools import chain
+import time
+from collections.abc import Callable, Collection, Iterator
 from typing import Any, Final
 
+from textual import constants
 from textual._xterm_parser import XTermParser
 from textual.drivers.linux_driver import LinuxDriver
-from textual.events import Key, MouseEvent, Paste, Resize
+from textual.events import AppBlur, Key, MouseEvent, Paste, Resize
 from textual.message import Message
 
 from fraese.earlyterminal import EARLY
-from fraese.ui.keyrows.everywhere import QUIT_KEYS, STOP_BYTE, STOP_BYTE_KEY, STOP_KEYS
+from fraese.ui.keyevents import WANTED, KeyEvents, Up
+from fraese.ui.keyrows.everywhere import (
+    ESCAPE,
+    ESCAPE_KEY,
+    QUIT_KEYS,
+    STOP_BYTE,
+    STOP_BYTE_KEY,
+    STOP_KEYS,
+)
+from fraese.ui.messages import KeyUp
 from fraese.ui.pastes import with_pastes
 from fraese.ui.screenwriter import ScreenWriter
 
 _LOOK_EVERY_S: Final = 0.1
+#: What belongs to a sequence follows its ESC within this time.
+_ESCAPE_S: Final = 0.03
+#: What comes so soon behind an ESC that was taken for a key comes from no finger.
+_TORN_S: Final = 0.15
+_REST: Final = re.compile(r"\[[<?]?[\d;:]*[@-~]?|O[A-Za-z]?")
 _READ_BYTES: Final = 4096
 #: A terminal keeps no more for who does not read.
 _MOST_EARLY: Final = 1 << 16
@@ -51,8 +71,8 @@ _MOST_CELLS: Final = 2_000
 class Terminal(LinuxDriver):
     """What Textual reads from and draws on.
 
-    The app has two methods for it, which are called from its threads: ``terminal_is_gone`` and
-    ``draw_all``.
+    The app has methods for it, which are called from its threads: ``terminal_is_gone``,
+    ``draw_all``, ``tells_releases``, ``lets_go``, ``hears`` and ``backlog``.
     """
 
     _screen: ScreenWriter | None = None
@@ -72,6 +92,8 @@ class Terminal(LinuxDriver):
         if as_before is not None:
             self.attrs_before = as_before
             EARLY.is_the_drivers()
+        if not constants.DISABLE_KITTY_KEY:
+            self.write(WANTED)
 
     def write(self, data: str) -> None:
         """Draw this; never waits."""
@@ -107,7 +129,7 @@ class Terminal(LinuxDriver):
         while not self.exit_event.is_set():
             data = b""
             try:
-                if select.select([self.fileno], [], [], _LOOK_EVERY_S)[0]:
+                if select.select([self.fileno], [], [], keys.patience_s)[0]:
                     data = os.read(self.fileno, _READ_BYTES)
                     if not data:
                         return self._gone()
@@ -115,6 +137,7 @@ class Terminal(LinuxDriver):
                 return self._gone()
             for message in keys.heard(data):
                 self.process_message(message)
+            self._app.tells_releases(keys.tells)  # type: ignore[attr-defined]
         return None
 
     def _waiting(self) -> bytes:
@@ -132,6 +155,9 @@ class Terminal(LinuxDriver):
         """Pass on what was heard."""
         if isinstance(message, Paste):
             message.text = message.text[:_PASTE_CHARACTERS]
+        if isinstance(message, KeyUp | AppBlur):
+            letting_go: Any = self._app
+            letting_go.lets_go(getattr(message, "key", ""))
         if isinstance(message, Resize) and max(message.size) > _MOST_CELLS:
             return
         if isinstance(message, Key | MouseEvent | Paste) and not _is_one_of(message, STOP_KEYS):
@@ -151,22 +177,40 @@ class _Keys:
 
     Args:
         debug: as Textual's.
+        now: tells the time, s.
     """
 
-    def __init__(self, debug: bool = False) -> None:
+    def __init__(self, debug: bool = False, now: Callable[[], float] = time.monotonic) -> None:
         self._debug = debug
+        self._now = now
         self._decoder = codecs.getincrementaldecoder("utf-8")("replace")
+        self._events = KeyEvents()
         self._parser = XTermParser(debug)
         self._swallowed = 0
         self._silent_s = 0.0
+        self._escaped_s = -_TORN_S
+
+    @property
+    def tells(self) -> bool:
+        """The terminal tells when a key comes up."""
+        return self._events.tells
+
+    @property
+    def patience_s(self) -> float:
+        """When ``heard`` is to be called, if nothing comes."""
+        return _ESCAPE_S if self._events.waits else _LOOK_EVERY_S
 
     def heard(self, data: bytes) -> Iterator[Message]:
-        """What these bytes mean; none: nothing came for a moment."""
+        """What these bytes mean; none: nothing came for ``patience_s``."""
+        waited_s = self.patience_s
         text = self._decoder.decode(data)
+        if text and self._now() < self._escaped_s + _TORN_S:
+            text = _REST.sub("", text, count=1) if _REST.match(text) else text
         messages: list[Message] = []
         try:
-            for message in chain(self._parser.feed(text) if text else (), self._parser.tick()):
-                messages.append(message)
+            for part in self._events.parts(text):
+                messages.extend(self._meant(part, waited=not text))
+            messages.extend(self._parser.tick())
         except Exception:
             # It has lost its place: it begins anew with what comes next.
             self._begin_anew()
@@ -176,9 +220,19 @@ class _Keys:
         if STOP_BYTE in text and not braked:
             # It stands in the middle of something else.
             yield Key(STOP_BYTE_KEY, STOP_BYTE)
-        self._watch(text, told)
+        self._watch(text, told, waited_s)
 
-    def _watch(self, text: str, told: bool) -> None:
+    def _meant(self, part: str | Up, *, waited: bool) -> Iterator[Message]:
+        if isinstance(part, Up):
+            for message in self._parser.feed(part.sequence):
+                yield KeyUp(message.key) if isinstance(message, Key) else message
+        elif waited and not part.strip(ESCAPE):
+            self._escaped_s = self._now()
+            yield from (Key(ESCAPE_KEY, ESCAPE) for _ in part)
+        else:
+            yield from self._parser.feed(part)
+
+    def _watch(self, text: str, told: bool, waited_s: float) -> None:
         """A paste whose end was lost swallows every key that follows: it is given up.
 
         Whatever swallows and says nothing is given up so, when the terminal has been silent. What
@@ -187,7 +241,7 @@ class _Keys:
         if told and text:
             self._swallowed = 0
         self._swallowed += len(text)
-        self._silent_s = 0.0 if text else self._silent_s + _LOOK_EVERY_S
+        self._silent_s = 0.0 if text else self._silent_s + waited_s
         over = self._swallowed and self._silent_s > _PASTE_SILENCE_S
         if over or self._swallowed > _LONGEST_PASTE:
             self._begin_anew()

@@ -11,18 +11,12 @@ REPEAT_FROM: Final = 21
 REPEAT_FACTOR: Final = 10
 #: After so long without a key the count begins anew.
 PAUSE_S: Final = 1.0
-#: A held key repeats at least so often; a finger does not.
-_REPEAT_S: Final = 0.06
-#: So many repeats in a row, and it is held. Less may be a line that has stalled.
-_QUICK_ONES: Final = 3
-#: Nothing has come of a held key for so long: it was let go.
-LET_GO_S: Final = 0.15
 #: What the app starts with: 1 mm.
 FIRST_WIDTH: Final = 3
 
 
 class RepeatRule:
-    """The original's repeat rule (TASTATUR.PAS, Eingabe), and what tells a held key from taps.
+    """The original's repeat rule (TASTATUR.PAS, Eingabe).
 
     Presses 1 to 20 of the same key count single, from the 21st on ten-fold; another key resets it.
     Unlike the original's, a pause does so too: who comes back means one step.
@@ -30,7 +24,7 @@ class RepeatRule:
 
     def __init__(self) -> None:
         self._key = ""
-        self._count = self._quick = 0
+        self._count = 0
         self._at_s = 0.0
 
     def press(self, key: str, at_s: float = 0.0) -> None:
@@ -38,7 +32,6 @@ class RepeatRule:
         gap_s, self._at_s = at_s - self._at_s, at_s
         is_same = key == self._key and gap_s < PAUSE_S
         self._key, self._count = key, self._count + 1 if is_same else 1
-        self._quick = self._quick + 1 if is_same and gap_s < _REPEAT_S else 0
 
     def forget(self) -> None:
         """Something other than a key was used, or nothing for a while."""
@@ -48,11 +41,6 @@ class RepeatRule:
     def factor(self) -> int:
         """What the press last seen counts."""
         return REPEAT_FACTOR if self._count >= REPEAT_FROM else 1
-
-    @property
-    def held(self) -> bool:
-        """The key last seen is held down: no finger taps so fast for so long."""
-        return self._quick >= _QUICK_ONES
 
 
 @dataclass(frozen=True, slots=True)

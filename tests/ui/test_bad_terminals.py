@@ -475,8 +475,11 @@ def test_a_key_that_is_held_and_refused_leaves_nothing_behind() -> None:
             await b.jog("right")
 
             async def hold(presses: int) -> int:
+                begun_s = time.monotonic()
                 for number in range(presses):
-                    b.app.post_message(Key("left", None))
+                    key = Key("left", None)
+                    key.time = begun_s + number / 30
+                    b.app.post_message(key)
                     if number % 20 == 0:
                         await asyncio.sleep(0)
                 await b.settled()

@@ -1,7 +1,14 @@
 """The pad: a click is one width, a button that is held runs until it is let go."""
 
+from functools import partial
+
 from fraese.ui.widgets.jogpad import HELD_S, JogButton
-from tests.ui.helpers import LONG_MOVE_MM, bench, play
+from tests.ui.helpers import LONG_MOVE_MM, Bench, bench, play
+
+
+def patiently(b: Bench) -> None:
+    """This machine may be busy with something else for longer than a dead man's time."""
+    b.app.link.hold_jog = partial(b.app.link.hold_jog, silence_s=60.0)  # type: ignore[method-assign]
 
 
 def test_a_click_is_one_width() -> None:
@@ -20,6 +27,7 @@ def test_a_click_is_one_width() -> None:
 def test_a_button_that_is_held_runs_until_it_is_let_go() -> None:
     async def scene() -> None:
         async with bench(clock="paced") as b:
+            patiently(b)
             await b.pilot.mouse_down("#jog-x-more")
             await b.pilot.pause(HELD_S)
             await b.wait(lambda: b.moved_steps[0] > 2 * 200)
@@ -40,6 +48,7 @@ def test_a_button_that_is_held_runs_until_it_is_let_go() -> None:
 def test_the_stop_key_stops_what_is_held() -> None:
     async def scene() -> None:
         async with bench(clock="paced") as b:
+            patiently(b)
             await b.pilot.mouse_down("#jog-x-less")
             await b.wait(lambda: b.moved_steps[0] < -200)
             await b.press("escape")

@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[2]
 PRESS, REPEAT, RELEASE = 1, 2, 3
 _PATIENCE_S: Final = 30.0
 _LOOK_S: Final = 0.02
-_QUERY: Final = re.compile(rb"\x1b\[(\?u|c|>\d*u|<\d*u|\?1004[hl])")
+_QUERY: Final = re.compile(rb"\x1b\[(\?u|c|>\d*u|<\d*u|=\d+;2u|\?1004[hl])")
 
 #: Final character and number of keys, by their names here.
 FUNCTIONAL: Final[Mapping[str, tuple[int, str]]] = {
@@ -95,6 +95,8 @@ class KittyTerminal:
                 back += b"\x1b[?%du" % (self.flags[-1] if self.flags else 0)
             elif asked.startswith(b">"):
                 self.flags.append(int(asked[1:-1] or 0))
+            elif asked.startswith(b"="):
+                self.flags[-1:] = [(self.flags or [0])[-1] | int(asked[1:-3])]
             else:
                 del self.flags[-int(asked[1:-1] or 1) :]
         return back

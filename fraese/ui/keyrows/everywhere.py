@@ -23,3 +23,6 @@ QUIT_KEYS: Final = frozenset(QUIT_AT_ONCE.each)
 #: The stop key that is a single byte, and known also where it stands in the middle of something.
 STOP_BYTE: Final = "\x03"
 STOP_BYTE_KEY: Final = "ctrl+c"
+#: The other one: a byte that longer keys begin with.
+ESCAPE: Final = "\x1b"
+ESCAPE_KEY: Final = "escape"

@@ -160,10 +160,16 @@ class KeyTable:
                 "Presses add up while the machine moves. The opposite key brakes and then"
                 " goes the other way; another axis waits its turn."
             ),
+            spoken(
+                "A jog key that is held runs until it is let go, at widths above one {step_word}."
+                " Another key, another window and silence of the terminal end it as well.",
+                step_word=self._step_word,
+            ),
             spoken("Nothing here is an emergency stop: that is a switch which cuts the power."),
             spoken(
-                "Escape takes a tenth of a second, since longer keys begin like it; inside"
-                " tmux or screen more (tmux: set escape-time 0). Ctrl+C takes none."
+                "Escape takes 30 ms, since longer keys begin like it, and none in terminals with"
+                " the keyboard protocol of kitty; inside tmux or screen more (tmux: set"
+                " escape-time 0). Ctrl+C takes none."
             ),
         )
 

@@ -12,11 +12,12 @@ from textual.containers import Container, Horizontal
 from textual.geometry import Size
 
 from fraese.control.state import MachineState
-from fraese.phrases import shown, spoken
+from fraese.phrases import phrase, shown, spoken
 from fraese.ui.dialogs.confirm import ConfirmDialog
 from fraese.ui.dialogs.goto import GoToDialog
 from fraese.ui.dialogs.reference import Reference, ReferenceDialog
 from fraese.ui.dialogs.switches import SwitchPage
+from fraese.ui.heldkeys import Stroke
 from fraese.ui.keyrows import Area
 from fraese.ui.keyrows.axes import is_jog
 from fraese.ui.programs import Program
@@ -32,6 +33,14 @@ from fraese.ui.widgets.status import JobLine, WidthBar
 from fraese.ui.widths import FIRST_WIDTH, widths
 
 PICTURES: Final = ("commands", "path")
+#: Strokes that set nothing in motion, and why.
+_SPENT: Final = phrase("Nothing more is jogged by this key until it is let go and pressed again.")
+_QUEUED: Final = phrase(
+    "Presses that came all at once, late, are left out: only the first one counts."
+)
+_UNSURE: Final = phrase(
+    "A press came just when a held key would repeat, and is left out: press again."
+)
 #: From this size on there is room for position and program side by side.
 _WORKSPACE: Final = Size(120, 40)
 #: As many axes as this need more rows than a small terminal has for three.
@@ -52,6 +61,7 @@ class MachineView(RunsPrograms, ByHand):
         self.set_class(len(shape.axes) >= _MANY_AXES, "-many")
         self._choice = widths(shape)
         self._width = FIRST_WIDTH
+        self._passed_over = False
         self._program = Flowing(spoken("no program"), id="program")
         self._position = PositionPanel(shape)
         width_keys = [row for row in keys.commands if row.action.startswith("set_width")]
@@ -117,6 +127,11 @@ class MachineView(RunsPrograms, ByHand):
         """The next press counts single again."""
         self._widths.show(self._width, 1)
 
+    def keys_unsure(self) -> None:
+        """It is not done, and not passed over in silence."""
+        if self._passed_over:
+            self.say(_UNSURE)
+
     def action_picture(self) -> None:
         """The other one."""
         at = PICTURES.index(self.picture)
@@ -134,14 +149,28 @@ class MachineView(RunsPrograms, ByHand):
         factor = self.desk.repeats.factor
         self._widths.show(self._width, factor)
         steps = sign * factor if width_mm is None else 0
-        mm, held = sign * (width_mm or 0.0), self.desk.repeats.held
-        self.expect(self.desk.link.jog(axis, steps=steps, mm=mm, held=held))
+        link, strokes = self.desk.link, self.desk.strokes
+        self._passed_over = strokes.stroke is Stroke.REPEAT
+        if strokes.stroke is Stroke.QUEUED:
+            self.refuse(_QUEUED)
+        elif strokes.stroke is Stroke.SPENT:
+            self.say(_SPENT)
+        elif width_mm is None:
+            self.expect(link.jog(axis, steps=steps, held=bool(strokes.holds)))
+        elif strokes.stroke is Stroke.TAP:
+            self.expect(link.jog(axis, mm=sign * width_mm))
+        elif strokes.stroke is Stroke.HOLD:
+            silence_s = strokes.manners.silence_s
+            self.expect(link.hold_jog(axis, sign, silence_s, strokes.at_s))
+        else:
+            link.still_held(strokes.at_s)
         self._show_job()
 
     def on_jog_button_pressed(self, message: JogButton.Pressed) -> None:
         """A click is a press of the key, but no key."""
         if type(message) is JogButton.Pressed:
             self.desk.repeats.forget()
+            self.desk.strokes.end()
             self.action_jog(message.axis, message.sign)
 
     def on_jog_button_held(self, message: JogButton.Held) -> None:

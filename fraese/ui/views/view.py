@@ -26,6 +26,7 @@ from fraese.ui.calibrating import Writer
 from fraese.ui.dialogs.switches import Hand
 from fraese.ui.eventlog import EventLog, Kind
 from fraese.ui.handtools import HandTools
+from fraese.ui.heldkeys import HeldKeys
 from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.keyrows.everywhere import QUIT_AT_ONCE, STOP
 from fraese.ui.linehistory import LineHistory
@@ -55,7 +56,8 @@ class Desk:
     Attributes:
         link: to the machine.
         keys: the table of keys.
-        repeats: has seen every key that was pressed.
+        repeats: has seen every key that was pressed,
+        strokes: and what each stroke of it was.
         programs: what is loaded.
         machine_name: such as "simulated mill"; may be empty.
         hand: presses (True) and lets go of an end switch where the machine is simulated.
@@ -71,6 +73,7 @@ class Desk:
     link: MachineLink
     keys: KeyTable
     repeats: RepeatRule
+    strokes: HeldKeys
     programs: ProgramDesk
     machine_name: str
     hand: Hand | None
@@ -213,6 +216,9 @@ class View(Screen[None]):
     def keys_rest(self) -> None:
         """No key was pressed for a while."""
 
+    def keys_unsure(self) -> None:
+        """A press came just when a held key would repeat, and nothing came after it."""
+
     def refuse(self, sentence: str) -> None:
         """Say why something was not done."""
         self.desk.events.add(sentence, Kind.WARNING)
@@ -234,7 +240,12 @@ class View(Screen[None]):
     async def on_link_clicked(self, message: Link.Clicked) -> None:
         """A click does what a key does, but is none: the repeat rule starts anew."""
         self.desk.repeats.forget()
+        self.desk.strokes.end()
         await self.app.run_action(message.action, self)
+
+    def on_screen_suspend(self) -> None:
+        """Another view, or a dialog: nobody sees here what a held key does."""
+        self.desk.link.let_go_held()
 
     # --- commands of every view ------------------------------------------------------------------
 
