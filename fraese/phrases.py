@@ -92,8 +92,8 @@ class Phrase(str):
         return self.alter(methodcaller("rstrip", chars))
 
     def capitalize(self) -> "Phrase":
-        """As of a text, in whichever language."""
-        return self.alter(methodcaller("capitalize"))
+        """The first letter; the others stay, as nouns have capitals of their own in German."""
+        return self.alter(_with_capital)
 
     def upper(self) -> "Phrase":
         """As of a text, in whichever language."""
@@ -131,6 +131,10 @@ class Phrase(str):
         }
 
 
+def _with_capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
 def phrase(template: str, /, **parameters: object) -> Phrase:
     """A sentence, or a piece of one.
 
@@ -152,8 +156,12 @@ def reason(error: OSError) -> Phrase:
     """Why the system refused something, in its words."""
     if isinstance(error.strerror, Phrase):
         return error.strerror
-    said = error.strerror or os.strerror(error.errno or 0)
-    return Phrase(said, said.replace("{", "{{").replace("}", "}}"))
+    return remembered(error.strerror or os.strerror(error.errno or 0))
+
+
+def remembered(text: str) -> Phrase:
+    """A text that is a phrase without parameters, from where only its English was kept."""
+    return Phrase(text, text.replace("{", "{{").replace("}", "}}"))
 
 
 def joined(separator: str, parts: Iterable[str]) -> Phrase:

@@ -17,7 +17,7 @@ from fraese.control.position import Doubt, Position
 from fraese.errors import ConfigError
 from fraese.machine import Axis, Steps
 from fraese.motor.seams import Report
-from fraese.phrases import phrase
+from fraese.phrases import phrase, remembered
 from fraese.workframe import ACTIVE_SYSTEM, SYSTEMS
 
 #: No machine was ever so far from its zero.
@@ -135,7 +135,8 @@ class SavedState(_Fact):
         """Let the axes stand where they were left."""
         where.take_up(self.position_steps, self.slack_steps, self.referenced, self.parameters)
         if self.doubt is not None:
-            where.doubt = Doubt(**dict(self.doubt))
+            why = remembered(self.doubt.why)
+            where.doubt = Doubt(**{**dict(self.doubt), "why": why})
         where.was_abandoned = self.in_hand and self.doubt is None and any(self.referenced)
 
     def believed(self, *, is_trusted: bool = True) -> "SavedState":

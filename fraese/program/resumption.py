@@ -67,7 +67,7 @@ class Resumption:
             raise StateError(
                 phrase(
                     "{doubt_in_words}; nothing has moved.",
-                    doubt_in_words=controller.position.doubt_in_words()[:-1],
+                    doubt_in_words=controller.position.doubt_in_words().rstrip("."),
                 )
             )
         controller.check_moves([])

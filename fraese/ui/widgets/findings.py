@@ -79,7 +79,7 @@ def sweep(found: Progress, width: int, *, running: bool) -> list[str]:
     lines = [f"{found.axis.upper()}, {by}"]
     for stage, outcome in found.outcomes.items():
         values = outcome.sweep.values
-        ends = f"{values[0]:g}", f"{values[-1]:g} {stage.unit}"
+        ends = f"{values[0]:g}", f"{values[-1]:g} {shown(stage.unit)}"
         room = width - len(ends[0]) - len(ends[1]) - 2
         lines += ["", f"{ends[0]} {sweep_line(outcome, values, room)} {ends[1]}"]
         if running and stage is found.stage:
@@ -94,7 +94,7 @@ def sweep(found: Progress, width: int, *, running: bool) -> list[str]:
                 )
             )
         else:
-            lines.append(_capital(outcome.words()))
+            lines.append(_capital(shown(outcome.words())))
     return [*lines, "", _LEGEND] if len(lines) > 1 else lines
 
 
