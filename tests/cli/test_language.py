@@ -1,5 +1,7 @@
 """Commands speak the language that is wanted, and for programs always the same."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -60,3 +62,13 @@ def test_alarms_say_in_german_what_to_do(shop: Shop, monkeypatch: pytest.MonkeyP
     monkeypatch.setenv("FRAESE_LANGUAGE", "en")
     said = shop.run("--language", "de", "alarms", "23", state=False).stdout
     assert "homing.pull_off_mm größer machen." in said
+
+
+def test_help_is_german_before_a_command_is_read(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "fraese", "--language", "de", "jog", "--help"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "Eine Achse ein kleines Stück fahren." in done.stdout

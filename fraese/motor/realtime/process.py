@@ -33,7 +33,7 @@ from fraese.motor.realtime.hostline import message
 from fraese.motor.realtime.memory import DOZING, STAGE, Memory
 from fraese.motor.realtime.rescue import switch_off
 from fraese.motor.realtime.setup import Setup
-from fraese.phrases import phrase, reason
+from fraese.phrases import phrase, reason, remembered
 from fraese.spawn import command, environment
 
 _MODULE: Final = "fraese.motor.realtime.child"
@@ -157,7 +157,7 @@ class ChildProcess:
             stage = self.memory.words[STAGE]
         if stage == shared.READY:
             self._started = True
-            return tuple(self.memory.text().splitlines())
+            return tuple(map(remembered, self.memory.text().splitlines()))
         self._process.kill()
         self.bury()
         said = self.memory.text()
@@ -240,7 +240,7 @@ class ChildProcess:
         if self._why:
             return self._why
         if self.memory.words[STAGE] in (shared.FAILED, shared.FAILED_LIVE):
-            return self.memory.text().rstrip(".")
+            return remembered(self.memory.text()).rstrip(".")
         if code < 0:
             return phrase("The step process died ({name})", name=signal.Signals(-code).name)
         return phrase("The step process ended by itself (code {code})", code=code)
