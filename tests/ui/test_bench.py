@@ -12,8 +12,8 @@ from fraese.control.slowmotion import turn_slowly
 from fraese.errors import LimitError, StateError
 from fraese.motor.seams import DATA
 from fraese.ui import FraeseApp
-from fraese.ui.views.calibrate import Paragraph
 from fraese.ui.widgets import lamps
+from fraese.ui.widgets.fact import Paragraph
 from tests.helpers import configured, look, plant
 from tests.ui.helpers import Bench, open_nothing, play
 

@@ -9,8 +9,8 @@ from fraese.control.calibration.figures import Figures
 from fraese.control.calibration.repeat import Repeatability
 from fraese.control.calibration.sweep import Outcome, Rates, Stage, Sweep, Tried
 from fraese.errors import ConfigError
-from fraese.ui.views.calibrate import CalibrateView, Paragraph
-from fraese.ui.widgets.fact import Fact
+from fraese.ui.views.calibrate import CalibrateView
+from fraese.ui.widgets.fact import Fact, Paragraph
 from fraese.ui.widgets.findings import bar, histogram, sweep_line
 from tests.helpers import configured
 from tests.ui.helpers import Bench, bench, play

@@ -11,9 +11,9 @@ from fraese.control.slowmotion import turn_slowly
 from fraese.control.state import MachineState
 from fraese.phrases import spoken
 from fraese.ui.keyrows import Area
-from fraese.ui.views.calibrate import Paragraph
 from fraese.ui.views.view import Desk, View
 from fraese.ui.widgets import lamps
+from fraese.ui.widgets.fact import Paragraph
 
 #: Slow motion, steps/s.
 RATES_HZ: Final = (1, 2, 5, 10, 25, 50, 100, 200)

@@ -6,7 +6,6 @@ from typing import Final
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
-from textual.widgets import Static
 
 from fraese.control.calibration.frequency import FrequencyTest
 from fraese.control.calibration.stepsize import StepSizeTest
@@ -14,7 +13,6 @@ from fraese.control.calibration.sweep import Wish
 from fraese.control.state import MachineState, Status
 from fraese.errors import FraeseError, UsageError
 from fraese.phrases import shown, spoken
-from fraese.plaintext import plain_lines
 from fraese.ui.calibrating import ROUTINES, STAGES, Calibration, Routine, Test
 from fraese.ui.dialogs.consent import ConsentDialog
 from fraese.ui.dialogs.form import Field, FormDialog, Words, number, number_or_none, whole
@@ -24,7 +22,7 @@ from fraese.ui.keyrows import Area
 from fraese.ui.keyrows.calibrate import ROUTINE_ROWS
 from fraese.ui.shape import AxisShape
 from fraese.ui.views.view import BUSY, Desk, View
-from fraese.ui.widgets.fact import Fact
+from fraese.ui.widgets.fact import Fact, Paragraph
 from fraese.ui.widgets.findings import finding, proposed
 from fraese.ui.widgets.links import Link
 
@@ -33,20 +31,6 @@ _YES: Final = "yes"
 
 #: From so many rows on there is room for what a routine does beside what it has found.
 _ROOMY_ROWS: Final = 32
-
-
-class Paragraph(Static):
-    """Lines, as many as there are; drawn when they change."""
-
-    def __init__(self, *, id: str) -> None:  # noqa: A002
-        super().__init__("", id=id, markup=False)
-        self.text = ""
-
-    def show(self, text: str) -> None:
-        """These."""
-        if text != self.text:
-            self.text = text
-            self.update(plain_lines(text))
 
 
 class CalibrateView(View):

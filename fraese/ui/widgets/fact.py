@@ -3,7 +3,7 @@
 from textual.widgets import Static
 
 from fraese.phrases import shown
-from fraese.plaintext import plain
+from fraese.plaintext import plain, plain_lines
 
 
 class Fact(Static):
@@ -57,3 +57,18 @@ class Flowing(Fact):
     """A text whose room follows it."""
 
     flows = True
+
+
+class Paragraph(Static):
+    """Lines, as many as there are; drawn when they change."""
+
+    def __init__(self, *, id: str) -> None:  # noqa: A002
+        super().__init__("", id=id, markup=False)
+        self.text = ""
+
+    def show(self, text: str) -> None:
+        """These."""
+        text = shown(text)
+        if text != self.text:
+            self.text = text
+            self.update(plain_lines(text))
