@@ -16,6 +16,7 @@ from fraese.phrases import joined
 
 if TYPE_CHECKING:
     from fraese.ui.keyrows import KeyTable
+    from fraese.ui.macros import Macro
 
 
 def table_of(controller: Controller, config: Config, named: Path | None) -> "KeyTable":
@@ -31,14 +32,24 @@ def table_of(controller: Controller, config: Config, named: Path | None) -> "Key
     """
     # Textual takes a quarter of a second to import.
     from fraese.ui.keyrows import KeyTable
+    from fraese.ui.keyrows.macros import macro_key
     from fraese.ui.shape import shape_of
     from fraese.ui.views import VIEWS
 
     try:
-        return KeyTable(shape_of(controller), VIEWS, config.keys)
+        mine = macros_of(config)
+        given = {macro_key(at): each.key for at, each in enumerate(config.macros) if each.key}
+        return KeyTable(shape_of(controller), VIEWS, {**config.keys, **given}, mine)
     except ConfigError as error:
         place = str(named or configuration.find_file() or configuration.FILE_NAME)
         raise ConfigError(joined(": ", (place, str(error)))) from error
+
+
+def macros_of(config: Config) -> "tuple[Macro, ...]":
+    """The macros of a configuration, for the app."""
+    from fraese.ui.macros import Macro
+
+    return tuple(Macro(each.name, each.lines, each.file, each.confirm) for each in config.macros)
 
 
 def keys(config: ConfigOption = None) -> None:

@@ -31,7 +31,9 @@ class AppSettings(SettingsFile):
     def _keys(self, config: Config) -> tuple[Setting, ...]:
         """A setting for every action whose key may be changed."""
         usual = table_of(self._controller, Config(), self._named).changeable
-        now = table_of(self._controller, config, self._named).changeable
+        rows = table_of(self._controller, config, self._named).changeable
+        # Macros have their keys in tables of their own.
+        now = [row for row in rows if not row.action.startswith("macro(")]
         return tuple(
             Setting(
                 f"keys.{row.name}",

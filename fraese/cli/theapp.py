@@ -80,6 +80,7 @@ def make_app(
         history=kept.state_folder / _TYPED_LINES,
         keys=appkeys.table_of(plant.controller, plant.config, on.config),
         settings=AppSettings(on.config, plant.controller),
+        macros=appkeys.macros_of(plant.config),
         session=kept.state_folder / _SESSION,
     )
 

@@ -8,7 +8,7 @@ from pydantic import Field, field_validator, model_validator
 
 from fraese.config.axes import VERTICAL, AxesConfig
 from fraese.config.axis import AxisConfig
-from fraese.config.person import KeyNames
+from fraese.config.person import KeyNames, MacroConfig
 from fraese.config.section import Section
 from fraese.config.simulation import SimulationConfig
 from fraese.config.wiring import (
@@ -74,6 +74,11 @@ class Config(Section):
             "Keys of the app that are changed: by the name of the action, a key or a list of keys;"
             " fraese config keys lists both. Escape and Ctrl+C always stop."
         ),
+    )
+    macros: tuple[MacroConfig, ...] = Field(
+        (),
+        max_length=30,
+        description="Buttons of one's own in Move, with lines of G-code or a file.",
     )
 
     @field_validator("tools")

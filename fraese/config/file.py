@@ -62,6 +62,12 @@ _BEFORE_BOUND = re.compile(r"^must be ((greater|less) than (or equal to )?)?")
 _KINDS: Mapping[str, type[Section]] = {"linear": LinearAxis, "rotary": RotaryAxis}
 #: By the name of a table of the whole file: what may stand in it, where its keys are no fixed ones.
 _BY_EXAMPLE: Mapping[str, tuple[str, ...]] = {
+    "macros": (
+        "    [[macros]]",
+        '    name = "Park"',
+        '    key = "f9"',
+        '    lines = ["G53 G0 Z-1", "G53 G0 X10 Y190"]',
+    ),
     "keys": ("[keys]", 'go_to = "f8"', 'jog_x_plus = ["right", "d"]'),
 }
 #: Tables of which there may be several, and the name of one that serves as an example.

@@ -11,13 +11,16 @@ from typing import Final
 
 from fraese.control.controller import Controller
 from fraese.control.workcommands import select_system
+from fraese.errors import ProgramError
 from fraese.phrases import phrase
 from fraese.program.content import Content, taken_from
 from fraese.program.program import Program
-from fraese.program.taken import Taken
+from fraese.program.taken import Taken, take_program
 
 #: A work offset, and nothing else.
 _SYSTEM: Final = re.compile(r"\s*[gG]\s*(5[4-9](?:\.[1-3])?)\s*")
+#: It is looked through in the machine's thread, while somebody waits.
+_MOST_BYTES: Final = 100_000
 #: In messages; its ending says that it is G-code.
 _PLACE: Final = Path("typed.ngc")
 
@@ -35,13 +38,16 @@ def _content(text: str) -> Content:
     return taken_from(io.BytesIO(data), phrase("what was typed"), len(data))
 
 
-def run_text(controller: Controller, text: str, name: str = "typed line") -> None:
+def run_text(
+    controller: Controller, text: str, name: str = "typed line", place: Path = _PLACE
+) -> None:
     """Look it through and start it; the controller's ``run`` works it off.
 
     Args:
         controller: the machine.
         text: lines of G-code.
         name: for people.
+        place: in messages; its ending says that it is G-code.
 
     Raises:
         ProgramError: if a line is refused.
@@ -53,7 +59,28 @@ def run_text(controller: Controller, text: str, name: str = "typed line") -> Non
         # A program would go back to G54 at its end.
         select_system(controller, f"G{chosen[1]}")
         return
-    program = Program(_Typed(_PLACE, _content(text), {}))
+    program = Program(_Typed(place, _content(text), {}))
     program.name = name
     facts = program.check(controller)
     program.start(controller, facts)
+
+
+def run_file(controller: Controller, path: Path, name: str) -> None:
+    """The same with what a file holds now; a long one is a program, and is opened as such.
+
+    Args:
+        controller: the machine.
+        path: of the file.
+        name: for people.
+
+    Raises:
+        ProgramError: if it cannot be read, is too long, or a line is refused.
+        LimitError: if it leaves the travel.
+        StateError: if the machine is not ready.
+    """
+    taken = take_program(path)
+    if taken.main.size > _MOST_BYTES:
+        raise ProgramError(phrase("is too long for a macro: open it instead."), file=str(path))
+    program = Program(taken)
+    program.name = name
+    program.start(controller, program.check(controller))

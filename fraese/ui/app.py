@@ -42,6 +42,7 @@ from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.keyrows.everywhere import PALETTE, STOP_BYTE_KEY, STOP_KEYS
 from fraese.ui.linehistory import LineHistory
 from fraese.ui.machinelink import MachineLink
+from fraese.ui.macros import Macro
 from fraese.ui.messages import Alarmed, Noted, Refused
 from fraese.ui.programs import OpenProgram, ProgramDesk, Recent, Resume, nothing_is_kept
 from fraese.ui.questions import Questions
@@ -85,6 +86,7 @@ class FraeseApp(HeardApp, RememberingApp):
         history: where typed lines are kept; None: nowhere.
         keys: the table, if keys were changed; None: as they are.
         settings: the configuration file; None: there is none.
+        macros: buttons of one's own; ``keys`` has their rows.
         session: where it is kept what is remembered; None: nowhere.
 
     Attributes:
@@ -116,6 +118,7 @@ class FraeseApp(HeardApp, RememberingApp):
         keys: KeyTable | None = None,
         settings: SettingsDesk | None = None,
         session: Path | None = None,
+        macros: Sequence[Macro] = (),
     ) -> None:
         self.link = MachineLink(controller, self.post_message)
         self._early_stop = EarlyStop(STOP_KEYS, self.link.brake_or_stop)
@@ -148,6 +151,7 @@ class FraeseApp(HeardApp, RememberingApp):
                 self.link, self._keys, self._repeats, self._strokes, self._programs, machine_name,
                 hand, self._events, tools or NoTools(), LineHistory(history), writer, bench,
                 settings, self._inputs,
+                macros,
             ),
         )  # fmt: skip
 

@@ -17,6 +17,9 @@ class HandTools(Protocol):
     def typed(self, controller: Controller, text: str) -> None:
         """Start lines of G-code."""
 
+    def macro(self, controller: Controller, name: str, text: str, file: str) -> None:
+        """Start lines of G-code, or (if it is named) those of a file."""
+
     def probe(self, controller: Controller, name: str, values: Mapping[str, float]) -> None:
         """Start a probing cycle."""
 
@@ -30,6 +33,10 @@ class NoTools:
     def typed(self, controller: Controller, text: str) -> None:
         """Refused."""
         raise StateError(spoken("This app was started without the language: no line can be typed."))
+
+    def macro(self, controller: Controller, name: str, text: str, file: str) -> None:
+        """Refused."""
+        self.typed(controller, text)
 
     def probe(self, controller: Controller, name: str, values: Mapping[str, float]) -> None:
         """Refused."""

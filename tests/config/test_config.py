@@ -195,6 +195,8 @@ def keys_of(section: type[Section], place: str = "") -> Iterator[tuple[str, Any]
     for key, field in section.model_fields.items():
         kinds = [field.annotation, *get_args(field.annotation)]
         table = next((x for x in kinds if isinstance(x, type) and issubclass(x, Section)), None)
+        if table and get_origin(field.annotation) is tuple:
+            continue  # a list of tables: its keys have no names that a table could have
         if table:
             named = _SEVERAL[key] if get_origin(field.annotation) is dict else key
             yield from keys_of(table, f"{place}{named}.")

@@ -3,6 +3,7 @@
 import pytest
 
 from fraese.errors import ConfigError
+from fraese.phrases import speak
 from fraese.ui.dialogs.goto import GoToDialog
 from fraese.ui.dialogs.help import HelpPage
 from fraese.ui.keyrows import Area, KeyTable
@@ -49,6 +50,14 @@ def test_every_action_has_a_name_of_its_own_that_stays() -> None:
     names = [row.name for row in table().commands]
     assert len(names) == len(set(names))
     assert set(NAMES.split()) <= set(names)
+
+
+def test_names_are_the_same_in_german() -> None:
+    speak("de")
+    try:
+        assert set(NAMES.split()) <= {row.name for row in table().commands}
+    finally:
+        speak("en")
 
 
 def test_what_is_shown_of_a_key_is_what_its_name_makes() -> None:

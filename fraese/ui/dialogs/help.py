@@ -23,7 +23,8 @@ class HelpPage(Page[None]):
         with Vertical(classes="dialog wide"):
             yield Fact(spoken("Keys"), classes="dialog-title")
             with VerticalScroll():
-                for group in GROUPS:
+                there = {command.group for command in self.keys.commands}
+                for group in (group for group in GROUPS if shown(group) in there):
                     yield Fact(group, classes="help-heading")
                     yield Static(self._group(group), classes="help-group")
                 yield Static("\n\n".join(self.keys.notes()), classes="help-notes", markup=False)

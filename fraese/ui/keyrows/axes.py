@@ -73,6 +73,7 @@ def _jog(place: _Place, axis: AxisShape, sign: int) -> Row:
             direction=direction,
         ),
         "Jog",
+        given_name=f"jog_{axis.name}_{'plus' if sign > 0 else 'minus'}",
     )
 
 
@@ -92,6 +93,7 @@ def _zero(axis: AxisShape, key: str) -> Row:
     return Row(
         Area.MACHINE, key, key, f"zero('{axis.name}')", spoken("Zero {name}", name=name),
         spoken("Let the work zero of {name} be here.", name=name), "Position",
+        given_name=f"zero_{axis.name}",
     )  # fmt: skip
 
 

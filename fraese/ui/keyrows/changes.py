@@ -56,9 +56,8 @@ def _seen(known: Mapping[str, Row], changes: Changes) -> Iterator[tuple[str, lis
         if row.area is Area.EVERYWHERE:
             raise ConfigError(
                 spoken(
-                    "keys.{name}: what works everywhere keeps its keys ({keys}); take this line"
-                    " out.",
-                    name=name,
+                    "{where}: what works everywhere keeps its keys ({keys}); take this line out.",
+                    where=_where(name),
                     keys=" ".join(row.each),
                 )
             )
@@ -68,23 +67,25 @@ def _seen(known: Mapping[str, Row], changes: Changes) -> Iterator[tuple[str, lis
             if key is None:
                 raise ConfigError(
                     spoken(
-                        'keys.{name}: "{text}" is no key; write a character, such as "g", or a'
+                        '{where}: "{text}" is no key; write a character, such as "g", or a'
                         ' name: "f8", "left", "pageup", "ctrl+g".',
-                        name=name,
+                        where=_where(name),
                         text=text[:20],
                     )
                 )
             if key in STOP_KEYS:
                 raise ConfigError(
                     spoken(
-                        "keys.{name}: {key} always stops; choose another key.", name=name, key=key
+                        "{where}: {key} always stops; choose another key.",
+                        where=_where(name),
+                        key=key,
                     )
                 )
             if key in fixed:
                 raise ConfigError(
                     spoken(
-                        "keys.{name}: {key} works everywhere; choose another key.",
-                        name=name,
+                        "{where}: {key} works everywhere; choose another key.",
+                        where=_where(name),
                         key=key,
                     )
                 )
@@ -96,14 +97,18 @@ def _unknown(name: str, known: Mapping[str, Row]) -> str:
     near = get_close_matches(name, known, n=1, cutoff=0.5)
     if near:
         return spoken(
-            "keys.{name}: no action is called that, perhaps {near}; fraese config keys lists them"
-            " all.",
-            name=name,
+            "{where}: no action is called that, perhaps {near}; fraese config keys lists them all.",
+            where=_where(name),
             near=near[0],
         )
     return spoken(
-        "keys.{name}: no action is called that; fraese config keys lists them all.", name=name
+        "{where}: no action is called that; fraese config keys lists them all.", where=_where(name)
     )
+
+
+def _where(name: str) -> str:
+    """The place in the configuration that gives this action its keys."""
+    return name if "." in name else f"keys.{name}"
 
 
 def _with_keys(row: Row, keys: Sequence[str]) -> Row:
@@ -128,9 +133,9 @@ def check_each_means_one_thing(rows: Sequence[Row], changes: Changes) -> None:
                     blamed, first = (one, other) if one.name in changes else (other, one)
                     raise ConfigError(
                         spoken(
-                            "keys.{name}: {key} is the key of {other} already; give that one"
+                            "{where}: {key} is the key of {other} already; give that one"
                             " another key, too.",
-                            name=blamed.name,
+                            where=_where(blamed.name),
                             key=shown(key),
                             other=first.name,
                         )

@@ -1,6 +1,6 @@
 """All rows for one machine."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import groupby
 from types import MappingProxyType
@@ -23,9 +23,11 @@ from fraese.ui.keyrows.machine import (
     REST,
     SCROLLING,
 )
+from fraese.ui.keyrows.macros import macro_rows
 from fraese.ui.keyrows.program import PROGRAM
 from fraese.ui.keyrows.row import Area, Row
 from fraese.ui.keyrows.settings import SETTINGS, SETTINGS_DIALOGS
+from fraese.ui.macros import Macro
 from fraese.ui.shape import Shape
 from fraese.ui.widths import REPEAT_FROM, widths
 
@@ -34,6 +36,7 @@ GROUPS: Final = (
     "Views",
     "Jog",
     "Position",
+    "Macros",
     "Program",
     "Calibrate",
     "Bench",
@@ -57,6 +60,7 @@ class KeyTable:
         shape: its axes and steps.
         views: names of those that there are.
         changes: keys that somebody has changed, by the names of their actions.
+        macros: which have a row each.
 
     Raises:
         ConfigError: if they cannot be changed so.
@@ -73,6 +77,7 @@ class KeyTable:
         shape: Shape,
         views: Iterable[str] = tuple(frame.VIEW_ROWS),
         changes: Changes = MappingProxyType({}),
+        macros: Sequence[Macro] = (),
     ) -> None:
         self.views = {name: frame.VIEW_ROWS[name] for name in views if name in frame.VIEW_ROWS}
         self.listed: tuple[Row, ...] = (
@@ -92,6 +97,7 @@ class KeyTable:
             *self.views.values(),
             *frame.AROUND,
             *byhand.BY_HAND,
+            *macro_rows(macros),
             *AFTERWARDS,
             *OVERRIDES,
             *steps,

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from fraese.control.workcommands import go_to_zero
 from fraese.phrases import spoken
 from fraese.ui.dialogs.byhand import OffsetsDialog, ProbeDialog, SetDialog, TypedDialog
+from fraese.ui.dialogs.macro import MacroDialog
+from fraese.ui.macros import Macro
 from fraese.ui.views.afterfaults import AfterFaults
 from fraese.ui.views.view import BUSY
 
@@ -16,6 +18,25 @@ class ByHand(AfterFaults):
         """G-code, or a place."""
         desk = self.desk
         self.app.push_screen(TypedDialog(desk.keys, desk.link, desk.tools, desk.history))
+
+    def action_macro(self, at: int) -> None:
+        """Show its lines, unless it is to run at once; run it like a typed line."""
+        macro = self.desk.macros[at]
+        if self.desk.link.moving:
+            self.refuse(BUSY)
+        elif macro.confirm:
+            dialog = MacroDialog(self.desk.keys, macro)
+            self.app.push_screen(dialog, lambda meant: self._run(macro) if meant else None)
+        else:
+            self._run(macro)
+
+    def _run(self, macro: Macro) -> None:
+        tools = self.desk.tools
+        self.expect(
+            self.desk.link.order_of(
+                lambda controller: tools.macro(controller, macro.name, macro.text, macro.file)
+            )
+        )
 
     def action_set_position(self) -> None:
         """What the present position is to be."""

@@ -27,6 +27,7 @@ from fraese.ui.views.view import BUSY, Desk
 from fraese.ui.widgets.commands import CommandList
 from fraese.ui.widgets.fact import Fact, Flowing
 from fraese.ui.widgets.jogpad import JogButton, JogPad
+from fraese.ui.widgets.links import Link
 from fraese.ui.widgets.path import PathView
 from fraese.ui.widgets.position import PositionPanel
 from fraese.ui.widgets.status import JobLine, WidthBar
@@ -75,6 +76,11 @@ class MachineView(RunsPrograms, ByHand):
             yield self._position
             yield self._path
         yield self._widths
+        macros = [row for row in self.desk.keys.commands if row.action.startswith("macro(")]
+        if macros:
+            with Horizontal(id="macros"):
+                yield Fact(spoken("macros"), classes="heading")
+                yield from (Link(row.action, row.shown, row.title) for row in macros)
         with Horizontal(id="hand"):
             yield JogPad(self.desk.link.shape.axes)
             # What the pad does needs no row.

@@ -11,6 +11,7 @@ views, one row among the keys that lead to views, and an area of the key table.
 """
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -31,6 +32,7 @@ from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.keyrows.everywhere import QUIT_AT_ONCE, STOP
 from fraese.ui.linehistory import LineHistory
 from fraese.ui.machinelink import MachineLink
+from fraese.ui.macros import Macro
 from fraese.ui.programs import ProgramDesk
 from fraese.ui.settings import SettingsDesk
 from fraese.ui.themes import after
@@ -68,6 +70,7 @@ class Desk:
         bench: the machine as it lies open; None: nobody has opened it.
         settings: the configuration file; None: there is none.
         inputs: what was typed last, by the name of the question; it is remembered.
+        macros: buttons of one's own.
     """
 
     link: MachineLink
@@ -84,6 +87,7 @@ class Desk:
     bench: Bench | None = None
     settings: SettingsDesk | None = None
     inputs: dict[str, str] = field(default_factory=dict)
+    macros: Sequence[Macro] = ()
 
 
 class View(Screen[None]):
