@@ -91,6 +91,10 @@ class Phrase(str):
         """As of a text, in whichever language."""
         return self.alter(methodcaller("rstrip", chars))
 
+    def strip(self, chars: str | None = None, /) -> "Phrase":
+        """As of a text, in whichever language."""
+        return self.alter(methodcaller("strip", chars))
+
     def capitalize(self) -> "Phrase":
         """The first letter; the others stay, as nouns have capitals of their own in German."""
         return self.alter(_with_capital)

@@ -47,6 +47,11 @@ _REASONS: Final = (
     errno.EPIPE,
     errno.ETIMEDOUT,
 )
+#: What the checker of the configuration says, after it was put in words of ours.
+_CHECKED: Final = tuple(
+    f"must be {what}"
+    for what in ("true or false", "a list", "a whole number", "a text in quotes", "a table")
+)
 _HEAD: Final = """\
 # Catalogue of fraese, brought up to date by python -m rigs.catalogue.
 msgid ""
@@ -66,8 +71,8 @@ def sentences() -> dict[str, str]:
         found.setdefault(words, file)
     for words, file in _rows():
         found.setdefault(words, file)
-    for number in _REASONS:
-        found.setdefault(os.strerror(number), "")
+    for words in (*_CHECKED, *map(os.strerror, _REASONS)):
+        found.setdefault(words, "")
     return found
 
 

@@ -325,16 +325,23 @@ def _one_of(annotation: Any) -> str:
     return f" One of: {choices}." if ", " in choices else ""
 
 
+_SIGNS: Mapping[str, Callable[[float], Phrase]] = {
+    "gt": lambda bound: phrase("above {bound:.12g}", bound=bound),
+    "ge": lambda bound: phrase("from {bound:.12g}", bound=bound),
+    "lt": lambda bound: phrase("below {bound:.12g}", bound=bound),
+    "le": lambda bound: phrase("up to {bound:.12g}", bound=bound),
+}
+
+
 def bounds_of(metadata: list[Any]) -> str:
     """What the field's limits are, in brackets; nothing without limits."""
-    signs = {"gt": "above", "ge": "from", "lt": "below", "le": "up to"}
     found = [
-        f"{word} {getattr(item, name):.12g}"
+        _SIGNS[name](getattr(item, name))
         for item in metadata
-        for name, word in signs.items()
+        for name in _SIGNS
         if getattr(item, name, None) is not None
     ]
-    return f" ({', '.join(found)})" if found else ""
+    return joined("", (" (", joined(", ", found), ")")) if found else ""
 
 
 def _as_toml(value: Any) -> str:

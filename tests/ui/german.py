@@ -41,7 +41,7 @@ def main() -> None:
         size = (int(sys.argv[1]), int(sys.argv[2]))
         async with bench(size=size) as b:
             await look(b, "start")
-            for view in ("program", "calibrate", "bench", "log", "move"):
+            for view in ("program", "calibrate", "bench", "log", "settings", "move"):
                 await b.show_view(view)
                 await look(b, view)
             for key in ("r", "g", "m", "n", "w", "p", "o", "e", "i", "question_mark"):

@@ -8,6 +8,7 @@ from textual.app import ComposeResult
 from textual.widgets import Button, Input
 
 from fraese.errors import FraeseError
+from fraese.phrases import shown, spoken
 from fraese.ui.dialogs.dialog import Dialog
 from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.settings import Setting
@@ -19,10 +20,10 @@ _LONGEST = 400
 def bounds_words(setting: Setting) -> str:
     """What it may be, what it is by default, and from when on it counts."""
     words = [
-        setting.bounds,
-        f"one of {', '.join(setting.choices)}" if setting.choices else "",
-        f"by default {setting.default or 'nothing'}",
-        "counts at once" if setting.at_once else "counts from the next start",
+        shown(setting.bounds),
+        spoken("one of {choices}", choices=", ".join(setting.choices)) if setting.choices else "",
+        spoken("by default {default}", default=setting.default or spoken("nothing")),
+        spoken("counts at once") if setting.at_once else spoken("counts from the next start"),
     ]
     text = "; ".join(filter(None, words)) + "."
     return text[0].upper() + text[1:]
@@ -60,13 +61,15 @@ class SettingDialog(Dialog[Any]):
     def inner(self) -> ComposeResult:
         """What it means, and what it is."""
         setting = self._setting
-        yield Flowing(f"{setting.sentence} {bounds_words(setting)}".strip(), classes="question")
+        yield Flowing(
+            f"{shown(setting.sentence)} {bounds_words(setting)}".strip(), classes="question"
+        )
         value = setting.value
         # A text is typed without its quotes, unless there are others in it.
         if setting.is_text and value[:1] == '"' and "\\" not in value and '"' not in value[1:-1]:
             value = value[1:-1]
         yield Input(value, id="value", max_length=_LONGEST)
-        yield Flowing(f"in {self._path}; comments stay", classes="question more")
+        yield Flowing(spoken("in {path}; comments stay", path=self._path), classes="question more")
 
     def on_mount(self) -> None:
         """Type at once."""

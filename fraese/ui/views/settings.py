@@ -8,6 +8,7 @@ from textual.app import ComposeResult
 from fraese.control.controller import Controller
 from fraese.control.state import MachineState, Status
 from fraese.errors import FraeseError
+from fraese.phrases import shown, spoken
 from fraese.ui.dialogs.confirm import ConfirmDialog
 from fraese.ui.dialogs.form import Field, FormDialog, Words
 from fraese.ui.dialogs.setting import SettingDialog, bounds_words
@@ -59,7 +60,7 @@ class SettingsView(View):
         """Show what the file says now."""
         settings = self.desk.settings
         if settings is None:
-            self._heading.show("There is no configuration file here.")
+            self._heading.show(spoken("There is no configuration file here."))
             return
         try:
             self._all = tuple(settings.read())
@@ -69,13 +70,21 @@ class SettingsView(View):
         self._show_list(settings)
 
     def _show_list(self, settings: SettingsDesk) -> None:
-        found = [each for each in self._all if self._word in f"{each.key} {each.sentence}".lower()]
+        found = [
+            each
+            for each in self._all
+            if self._word in f"{each.key} {each.sentence} {shown(each.sentence)}".lower()
+        ]
         self._list.load(found)
         own = sum(each.value != each.default for each in self._all)
-        words = [settings.path] if settings.is_there else [f"{settings.path} (made when needed)"]
-        words.append(f"{len(self._all)} keys, {own} not as by default")
+        words = (
+            [settings.path]
+            if settings.is_there
+            else [spoken("{path} (made when needed)", path=settings.path)]
+        )
+        words.append(spoken("{count} keys, {own} not as by default", count=len(self._all), own=own))
         if self._word:
-            words.append(f"{len(found)} with “{self._word}”")
+            words.append(spoken("{count} with “{word}”", count=len(found), word=self._word))
         self._heading.show(" · ".join(words))
         self.on_setting_list_looked()
 
@@ -85,9 +94,9 @@ class SettingsView(View):
         if setting is None:
             self._detail.show("")
             return
-        value = setting.value or "nothing"
+        value = setting.value or spoken("nothing")
         self._detail.show(
-            f"{setting.key} = {value}. {setting.sentence} {bounds_words(setting)}".replace(
+            f"{setting.key} = {value}. {shown(setting.sentence)} {bounds_words(setting)}".replace(
                 "  ", " "
             )
         )
@@ -140,21 +149,37 @@ class SettingsView(View):
         if written is None or settings is None:
             return
         now = next((each for each in self._all if each.key == setting.key), None)
-        is_now = f"{setting.key} is {now.value if now and now.value else 'by default'}"
+        is_now = spoken(
+            "{key} is {value}",
+            key=setting.key,
+            value=now.value if now and now.value else spoken("by default"),
+        )
         if not setting.at_once:
-            self.note(f"{is_now}, from the next start on; written to {settings.path}.")
+            self.note(
+                spoken(
+                    "{is_now}, from the next start on; written to {path}.",
+                    is_now=is_now,
+                    path=settings.path,
+                )
+            )
             return
 
         def adopt(controller: Controller) -> None:
             try:
                 settings.adopt(controller, written)
             except FraeseError as error:
-                self.call_later(self.seen.note, f"{is_now}. {error}", True)
+                self.call_later(self.seen.note, f"{is_now}. {shown(str(error))}", True)
             else:
-                self.call_later(self.seen.note, f"{is_now} now; written to {settings.path}.")
+                self.call_later(
+                    self.seen.note,
+                    spoken("{is_now} now; written to {path}.", is_now=is_now, path=settings.path),
+                )
 
         if not self.desk.link.order_of(adopt):
-            self.note(f"{is_now}, from the next start on: the machine runs.", warning=True)
+            self.note(
+                spoken("{is_now}, from the next start on: the machine runs.", is_now=is_now),
+                warning=True,
+            )
 
     def action_default(self) -> None:
         """Ask, and take it out of the file."""
@@ -162,13 +187,19 @@ class SettingsView(View):
         if setting is None or settings is None or not self._may_change(setting):
             return
         if not setting.given:
-            self.refuse(f"{setting.key} is by default already: the file does not say it.")
+            self.refuse(
+                spoken("{key} is by default already: the file does not say it.", key=setting.key)
+            )
             return
         dialog = ConfirmDialog(
             self.desk.keys,
-            f"{setting.key} by default",
-            f"It is taken out of {settings.path}; by default it is {setting.default or 'nothing'}.",
-            "Take it out",
+            spoken("{key} by default", key=setting.key),
+            spoken(
+                "It is taken out of {path}; by default it is {default}.",
+                path=settings.path,
+                default=setting.default or spoken("nothing"),
+            ),
+            spoken("Take it out"),
         )
         self.app.push_screen(dialog, lambda meant: self._take_out(setting) if meant else None)
 
@@ -190,10 +221,10 @@ class SettingsView(View):
             return
         dialog = FormDialog(
             self.desk.keys,
-            "Add a key",
-            "Its whole name, such as tools.3.length_mm; its value comes next.",
-            [Field("key", "key")],
-            yes="Next",
+            spoken("Add a key"),
+            spoken("Its whole name, such as tools.3.length_mm; its value comes next."),
+            [Field("key", spoken("key"))],
+            yes=spoken("Next"),
         )
         self.app.push_screen(dialog, self._add)
 
@@ -210,10 +241,10 @@ class SettingsView(View):
         """Ask for a word."""
         dialog = FormDialog(
             self.desk.keys,
-            "Find keys",
-            "Only keys with this word in their name or sentence are shown; empty: all.",
-            [Field("word", "word", self._word)],
-            yes="Find",
+            spoken("Find keys"),
+            spoken("Only keys with this word in their name or sentence are shown; empty: all."),
+            [Field("word", spoken("word"), self._word)],
+            yes=spoken("Find"),
         )
         self.app.push_screen(dialog, self._find)
 

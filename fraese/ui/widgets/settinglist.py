@@ -12,6 +12,7 @@ from textual.message import Message
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
+from fraese.phrases import shown, spoken
 from fraese.plaintext import dotted
 from fraese.ui.settings import Setting
 
@@ -41,7 +42,7 @@ class SettingList(ScrollView, can_focus=False):
         here = self.here.key if self.here is not None else ""
         self._rows = []
         for table, some in groupby(settings, lambda setting: setting.table):
-            self._rows += [f"[{table}]" if table else "above all tables", *some]
+            self._rows += [f"[{table}]" if table else spoken("above all tables"), *some]
         self.virtual_size = Size(0, len(self._rows))
         keys = [row.key if not isinstance(row, str) else "" for row in self._rows]
         self._at = keys.index(here) if here in keys else 0
@@ -110,7 +111,7 @@ class SettingList(ScrollView, can_focus=False):
         texts = (
             sign + _short(setting.name, _NAME),
             _short(setting.value or "–", _VALUE),
-            setting.sentence,
+            shown(setting.sentence),
         )
         return [Segment(dotted(text), style) for text, style in zip(texts, styles, strict=True)]
 
