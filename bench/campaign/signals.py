@@ -12,15 +12,17 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from functools import partial
 from typing import Final
 
 from bench.campaign.claims import claimed
 from bench.campaign.frame import Attempt, Kind, Late, Outcome
 from bench.campaign.warm import Warm
-from tests.rigs.lpt.fakeport import library, missing
+from fraese.motor.seams import DATA
+from tests.rigs.lpt.fakeport import Event, library, missing
 from tests.rigs.lpt.shop import Shop, child_of, is_alive
-from tests.rigs.lpt.steps import check_motors_off
+from tests.rigs.lpt.steps import MOTORS_OFF, check_motors_off
 from tests.rigs.lpt.terminal import Terminal
 
 #: From the signal to motors off; braking is part of it.
@@ -69,15 +71,23 @@ def judged(shop: Shop, since_ns: int, *, to_the_step: bool) -> Outcome:
         since_ns: when it was hit.
         to_the_step: a place is to be claimed; else bounds will do.
     """
-    after = [event for event in shop.fake.events() if event.at_ns > since_ns]
     check_motors_off(shop.fake.writes())
-    last_ns = max((event.at_ns for event in after if event.what == "W"), default=since_ns)
-    took_ms = (last_ns - since_ns) * 1e-6
+    took_ms = max(0, _off_ns(shop.fake.events()) - since_ns) * 1e-6
     if took_ms > LIMIT_S * 1e3:
         raise Late(f"the motors were off only after {took_ms:.0f} ms")
     claim, truth_steps = claimed(shop), shop.travelled_steps()
     beyond = claim.beyond_steps(truth_steps) + (to_the_step and not claim.is_to_the_step)
     return Outcome(beyond, took_ms, f"claimed {claim}, true {truth_steps}" if beyond else "")
+
+
+def _off_ns(events: Sequence[Event]) -> int:
+    """When the last of the bytes was written that switch the motors off for good.
+
+    The program of a step process that died writes them once more, in case it could not.
+    """
+    data = [event for event in events if event.what == "W" and event.register == DATA]
+    current = max(n for n, event in enumerate(data) if event.value not in MOTORS_OFF)
+    return data[current + len(MOTORS_OFF)].at_ns
 
 
 def gone(shop: Shop, *pids: int) -> None:
