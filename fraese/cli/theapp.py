@@ -1,5 +1,6 @@
 """The app as a command: its machine, and the way out."""
 
+import os
 import sys
 from collections.abc import Callable
 from functools import partial
@@ -40,11 +41,17 @@ def run(on: Drive, file: Path | None) -> int:
     Raises:
         UsageError: there is no terminal.
     """
-    if not sys.stdin.isatty() or not sys.stdout.isatty():
+    has_terminal = sys.stdin.isatty() and sys.stdout.isatty()
+    if not has_terminal and not _is_served():
         raise UsageError(
             phrase("The app needs a terminal; without one use a command, see fraese --help.")
         )
     return _run_app(on.plant("paced"), file, on)
+
+
+def _is_served() -> bool:
+    """A browser is the terminal: ``textual serve`` has started this and stands between."""
+    return os.environ.get("TEXTUAL_DRIVER", "").startswith("textual.drivers.web_driver")
 
 
 def make_app(

@@ -240,6 +240,10 @@ class FraeseApp(HeardApp, RememberingApp):
             from fraese.ui.terminal import Terminal
 
             driver = Terminal
+        elif driver.__name__ == "WebDriver":
+            from fraese.ui.webterminal import WebTerminal
+
+            driver = WebTerminal
         return self._early_stop.driver(driver)
 
     def draw_all(self) -> None:
