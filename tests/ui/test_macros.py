@@ -63,6 +63,20 @@ def test_one_that_needs_no_second_key_is_clicked() -> None:
     play(scene)
 
 
+def test_where_there_is_no_room_for_them_the_position_stays_whole() -> None:
+    async def scene() -> None:
+        macros = (OUT, HOME)
+        async with bench(macros=macros, keys=table(macros, macros_0_key="f9")) as b:
+            await b.settled()
+            assert not b.view.query_one("#macros").display
+            position = b.view.query_one("#body").region
+            assert position.height >= 9, "three axes of three rows"
+            await b.press("f9")
+            await asked(b)
+
+    play(scene)
+
+
 def test_what_cannot_run_is_refused_with_its_line_and_nothing_moves() -> None:
     async def scene() -> None:
         macros = (Macro("Bad", ("G0 X1", "G123"), confirm=False),)
