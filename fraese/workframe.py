@@ -43,6 +43,12 @@ PERSISTENT: Final = (
     *range(TOOL_NUMBER, TOOL_OFFSET + len(LETTERS)),
 )
 
+#: Beyond the numbers of the language: with this added, that of a place which was set while nobody
+#: knew where its axis was.
+UNSURE: Final = 10_000
+#: And from here on, tools as programs have changed them.
+TOOLS: Final = 20_000
+
 #: Cosine and sine of 0, 90, 180 and 270 degrees.
 _RIGHT_ANGLES: Final = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 
@@ -62,6 +68,24 @@ def stored(kept: Kept, first: int, axes: str) -> Point:
 def first_of_system(system: int) -> int:
     """Where the table of a system begins; 1 is G54."""
     return FIRST_SYSTEM + (system - 1) * SYSTEM_STRIDE
+
+
+def places(axes: str) -> dict[int, str]:
+    """Numbers of all that is a place of the machine along these axes: homes, G92, the systems."""
+    systems = (first_of_system(number) for number in range(1, len(SYSTEMS) + 1))
+    tables = (G28_HOME, G30_HOME, G92_OFFSET, *systems)
+    return {
+        number: letter
+        for first in tables
+        for number, letter in zip(numbers(first, axes), axes, strict=True)
+    }
+
+
+def place_name(number: int) -> str:
+    """What such a number belongs to: G54, G92, G28."""
+    if number >= FIRST_SYSTEM:
+        return SYSTEMS[(number - FIRST_SYSTEM) // SYSTEM_STRIDE]
+    return "G92" if number >= G92_OFFSET else "G30" if number >= G30_HOME else "G28"
 
 
 @dataclass(frozen=True, slots=True)

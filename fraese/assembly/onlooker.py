@@ -11,6 +11,7 @@ from typing import Final
 
 from fraese.anythread import any_thread
 from fraese.assembly.trueaxis import TrueAxis, true_axes
+from fraese.assembly.trueplaces import true_way, true_zero
 from fraese.config import Config
 from fraese.control.onlooker import Seen
 from fraese.motor.ports.sim import SimulatedMill
@@ -64,7 +65,7 @@ class MillOnlooker:
         tables = config.axes.table
         self._signs = [-1 if axis.inverted else 1 for axis in tables.values()]
         self._zeros = [
-            _zero(axis, table.home_end == "min", Fraction(str(config.pull_off(table))))
+            true_zero(axis, config, table)
             for axis, table in zip(self._axes, tables.values(), strict=True)
         ]
 
@@ -86,7 +87,7 @@ class MillOnlooker:
         missed = [rotor.missed_steps for rotor in mill.rotors]
         return Seen(
             carriages_mm=tuple(
-                float(_way(axis, at) - zero)
+                float(true_way(axis, at) - zero)
                 for axis, at, zero in zip(self._axes, carriages, self._zeros, strict=True)
             ),
             lost_steps=tuple(
@@ -107,19 +108,6 @@ class MillOnlooker:
         """
         motor = [axis.name for axis in self._axes].index(name[:1])
         return End(motor, (1 if name.endswith("max") else -1) * self._axes[motor].sign)
-
-
-def _way(axis: TrueAxis, half_steps: float) -> Fraction:
-    """From the lower end of the travel, or from where an endless axis began, mm or degrees."""
-    way = Fraction(half_steps) / axis.half_steps_per_unit
-    return way if axis.sign > 0 else (axis.travel or 0) - way
-
-
-def _zero(axis: TrueAxis, at_low: bool, pull_off: Fraction) -> Fraction:
-    """Where machine zero lies, seen likewise."""
-    if not axis.has_switches or axis.travel is None:
-        return _way(axis, axis.slide(snaps_to_pole=False).middle_steps)
-    return pull_off if at_low else axis.travel - pull_off
 
 
 def _why(axis: TrueAxis, hindrance: Hindrance | None) -> str:

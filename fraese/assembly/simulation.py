@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from fraese.assembly.cards import phase_table
+from fraese.assembly.solids import feeler_of
 from fraese.assembly.trueaxis import true_axes
 from fraese.config import Config
 from fraese.control.endswitches import contact_bits
@@ -46,4 +47,5 @@ def simulated_mill(config: Config, clock: Clock) -> SimulatedMill:
     )
     sockets = [axis.socket for axis in axes]
     electronics = ELECTRONICS[config.card.kind](mill, clock, config, sockets)
-    return SimulatedMill(mill, electronics, clock, Wiring(*contact_bits(config.switches)))
+    wiring = Wiring(*contact_bits(config.switches))
+    return SimulatedMill(mill, electronics, clock, wiring, feeler_of(config))

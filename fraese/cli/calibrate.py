@@ -9,7 +9,7 @@ from fraese.axiswords import axes_named
 from fraese.cli.histogram import histogram
 from fraese.cli.options import VALUES
 from fraese.cli.output import note
-from fraese.cli.shared import Drive, with_options
+from fraese.cli.shared import Answering, Drive, with_options
 from fraese.config.edit import as_toml, file_to_write, set_keys
 from fraese.control.calibration.backlash import BacklashTest
 from fraese.control.calibration.frequency import FrequencyTest
@@ -121,7 +121,7 @@ def steps(
     axis: AxisArgument,
     way: Annotated[float, typer.Argument(metavar="WAY", help="Signed, in mm; rotary: degrees.")],
     *,
-    on: Drive,
+    on: Answering,
     measured: Annotated[
         float | None,
         typer.Option(
@@ -163,7 +163,7 @@ def steps(
 def backlash(
     axis: AxisArgument,
     *,
-    on: Drive,
+    on: Answering,
     gauge: Annotated[
         bool, typer.Option("--gauge", help="With a dial gauge: make its way and ask.")
     ] = False,

@@ -9,16 +9,18 @@ from fraese.assembly import assemble
 from fraese.assembly.misfits import described
 from fraese.cli import appkeys, language
 from fraese.cli.leaving import leave
+from fraese.cli.looking import Looking
 from fraese.cli.options import ConfigOption, FileArgument
 from fraese.cli.output import note, say, write
 from fraese.cli.shared import StartingPlace, with_options
 from fraese.config import file as configuration
-from fraese.errors import ProgramError, UsageError, placed
+from fraese.errors import ProgramError, StateError, UsageError, placed
 from fraese.gcode.jsonl import as_dict
 from fraese.machine import Machine, three_decimals
 from fraese.phrases import joined, phrase
 from fraese.program.check import Facts, check_program
 from fraese.program.context import ProgramContext
+from fraese.program.program import require_reference
 from fraese.program.source import ProgramSource
 from fraese.program.taken import take_program
 
@@ -55,10 +57,16 @@ def check(
 
 def _looked_through(file: Path, context: ProgramContext) -> Facts:
     """What is known of a file; that there is nothing to read is known, too."""
+    looking = Looking(file.name)
     try:
-        return check_program(take_program(file), context, draw=False)
+        require_reference(context)
+        return check_program(take_program(file), context, draw=False, tell=looking)
     except ProgramError as error:
         return Facts.refused(error.message)
+    except StateError as error:
+        return Facts.refused(str(error))
+    finally:
+        looking.done()
 
 
 def _facts_as_dict(facts: Facts, machine: Machine) -> dict[str, object]:
@@ -121,7 +129,7 @@ def gcode(file: FileArgument, config: ConfigOption = None) -> None:
         machine = Machine.from_config(settings)
         nowhere = (0,) * len(machine.axes)
         context = ProgramContext(
-            settings, machine, nowhere, nowhere, (False,) * len(machine.axes), {}
+            settings, machine, nowhere, nowhere, (True,) * len(machine.axes), {}
         )
         for canonical in ProgramSource(taken, context).moves():
             values = as_dict(canonical)

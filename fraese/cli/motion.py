@@ -7,18 +7,21 @@ import typer
 
 from fraese.axiswords import axes_named, axis_words, target
 from fraese.cli.leaving import leave
+from fraese.cli.looking import Looking, tell_others
 from fraese.cli.options import VALUES, FileArgument
 from fraese.cli.output import note
-from fraese.cli.session import watch_switches
-from fraese.cli.shared import Drive, Place, StartingPlace, with_options
+from fraese.cli.shared import Answering, Drive, Place, StartingPlace, with_options
+from fraese.cli.switchwatch import watch_switches
 from fraese.control.asleft import take_as_left
 from fraese.control.controller import Controller
-from fraese.errors import Cancelled, UsageError
+from fraese.errors import Cancelled, FraeseError, UsageError
+from fraese.gcode.tooltable import changed_tools
 from fraese.phrases import phrase
-from fraese.program.context import ProgramContext
+from fraese.program.check import Facts
+from fraese.program.context import ProgramContext, tool_table
 from fraese.program.interrupted import cut_short
 from fraese.program.kept import KeptPrograms
-from fraese.program.program import open_program
+from fraese.program.program import Program, open_program
 from fraese.program.resumption import Resumption
 
 FeedOption = Annotated[
@@ -34,22 +37,21 @@ app = typer.Typer()
 def run(
     file: FileArgument,
     *,
-    on: Drive,
+    on: Answering,
     stream: Annotated[
         bool, typer.Option("--stream", help="Start at once, without looking the file through.")
     ] = False,
     from_line: Annotated[
         int, typer.Option("--from-line", metavar="N", min=1, help="Begin at this line.")
     ] = 1,
-    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before --from-line.")] = False,
 ) -> None:
     """Run a program: G-code, or a list of coordinates."""
 
     def action(controller: Controller) -> None:
         program = open_program(file, kept=KeptPrograms(on.folder), drawn=False)
-        facts = None if stream else program.check(controller, plan=sys.stderr.isatty())
+        facts = None if stream else _looked_through(program, controller)
         if from_line > 1:
-            _announce(program.way_from(controller, from_line), yes)
+            _announce(program.way_from(controller, from_line), on.yes)
         context = ProgramContext.of(controller)
         program.start(controller, facts, from_line=from_line)
         if not all(context.referenced):
@@ -64,21 +66,32 @@ def run(
     on.do(action)
 
 
+def _looked_through(program: Program, controller: Controller) -> Facts:
+    program.told = looking = Looking(program.name)
+    try:
+        return program.check(controller, plan=sys.stderr.isatty())
+    except FraeseError as error:
+        looking.done()
+        tell_others(program.facts, str(program.path), error)
+        raise
+    finally:
+        looking.done()
+
+
 @app.command()
 @with_options
 def resume(
     *,
-    on: Drive,
+    on: Answering,
     back: Annotated[
         int, typer.Option("--back", metavar="N", min=0, help="Begin so many moves earlier.")
     ] = 0,
-    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before it moves.")] = False,
 ) -> None:
     """Go on with the program that was cut short, at the move at which it was left."""
 
     def action(controller: Controller) -> None:
         resumption = Resumption.of(controller, KeptPrograms(on.folder))
-        _announce(resumption.words(back), yes)
+        _announce(resumption.words(back), on.yes)
         resumption.start(controller, back)
 
     on.do(action)
@@ -238,5 +251,16 @@ def where(on: StartingPlace) -> None:
     def action(controller: Controller) -> None:
         for sentence in cut_short(controller.keep().job):
             note(sentence)
+        kept = controller.position.offsets.parameters
+        for number, tool in changed_tools(kept, tool_table(controller.config)).items():
+            note(
+                phrase(
+                    "Tool {number}, as a program has set it: length {length_mm:.3f} mm, diameter"
+                    " {diameter_mm:.3f} mm.",
+                    number=number,
+                    length_mm=tool.length_mm,
+                    diameter_mm=tool.diameter_mm,
+                )
+            )
 
     on.do(action, at_desk=not on.fresh)

@@ -39,6 +39,15 @@ KeysOption = Annotated[
         ),
     ),
 ]
+YesOption = Annotated[bool, typer.Option("--yes", help="Answer every question with yes: go on.")]
+AnswerOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--answer",
+        metavar="LINE",
+        help='What would be typed at the next question, as in "zero Z"; "" goes on.',
+    ),
+]
 FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Program or coordinate list.")]
 
 #: Words such as -1.5 or X-3 are values here, not options.

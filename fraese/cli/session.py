@@ -4,7 +4,8 @@ Rule 1: the last line on standard output is the result, for people or, with ``--
         everything else goes to standard error.
 Rule 2: an interrupt or termination signal brakes with ramp, keeps the state, and ends with 130.
 Rule 3: a question of the program is asked where a person sits at a terminal, who may move by hand
-        before he answers (``byhand.py``). Elsewhere it is answered at once and noted.
+        before he answers (``byhand.py``). Elsewhere somebody has answered it beforehand
+        (``answers.py``), or the job ends there.
 """
 
 import json
@@ -14,31 +15,39 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, Final
 
 from fraese.assembly import Plant
+from fraese.cli.answers import GO_ON, Answers
 from fraese.cli.byhand import HINT, by_hand
 from fraese.cli.departure import Departure
 from fraese.cli.leaving import AfterMotion, alarm_result, with_advice
-from fraese.cli.output import note, result, say, show_progress, tell, wipe_progress
+from fraese.cli.output import note, result, show_progress, wipe_progress
 from fraese.control.controller import Controller
 from fraese.control.position import Position
 from fraese.control.state import MachineState, Status, three_decimals
-from fraese.control.switchtest import SwitchTest
 from fraese.errors import Cancelled, FraeseError
+from fraese.gcode.tooltable import changed_tools
 from fraese.phrases import joined, phrase
+from fraese.program.context import tool_table
+from fraese.program.interrupted import cut_short
 from fraese.signalwatch import watched
+from fraese.workframe import G28_HOME, G30_HOME, stored
 
 #: What else belongs to a result.
 More = Callable[[], Mapping[str, Any]]
 
 _STATUS_WORDS: Final = {Status.OK: "done", Status.CANCEL: "cancelled", Status.ERROR: "alarm"}
-_SAID: Final = {
-    Status.OK: phrase("done"),
-    Status.CANCEL: phrase("cancelled"),
-    Status.ERROR: phrase("alarm"),
-}
 _EXIT_CODES: Final = {Status.OK: 0, Status.ERROR: 1, Status.CANCEL: Cancelled.exit_code}
+#: A question that nobody answered.
+_UNANSWERED: Final = "unanswered"
+_SAID: Final = {
+    "done": phrase("done"),
+    "cancelled": phrase("cancelled"),
+    "alarm": phrase("alarm"),
+    _UNANSWERED: phrase("unanswered"),
+}
 _PROGRESS_EVERY_S: Final = 0.1
 _LOOK_EVERY_S: Final = 0.05
 
@@ -50,9 +59,17 @@ class Session:
         plant: closed by ``finish``.
         as_json: result as one JSON object.
         departure: ends the process in time after a signal; None: nobody does.
+        answers: to questions, given beforehand; None: none are.
     """
 
-    def __init__(self, plant: Plant, *, as_json: bool, departure: Departure | None = None) -> None:
+    def __init__(
+        self,
+        plant: Plant,
+        *,
+        as_json: bool,
+        departure: Departure | None = None,
+        answers: Answers | None = None,
+    ) -> None:
         self._plant = plant
         self._controller = plant.controller
         self._as_json = as_json
@@ -61,7 +78,8 @@ class Session:
         self._from_ns = plant.clock.now_ns()
         self._blocks = 0
         self._told = ""
-        self._asked = ""
+        self._asked = self._unanswered = ""
+        self._answers = answers or Answers()
         self._more: Mapping[str, Any] = {}
         self._may_raise = True
         self._hurries = threading.Event()
@@ -92,12 +110,15 @@ class Session:
                 if not any(self._controller.travelled_steps()):
                     raise
                 raise AfterMotion(error) from error
-            code = _EXIT_CODES[status]
+            word, code = _STATUS_WORDS[status], _EXIT_CODES[status]
+            if self._unanswered and not self._hurries.is_set():
+                word, code = _UNANSWERED, 1
+                state = replace(state, message=self._why_unanswered())
             self._departure.machine_is_closed(code)
             self._end_progress()
             if self._plant.trace is not None:
                 note(self._plant.trace.waveform.sentence())
-            self._say_result(status, state)
+            self._say_result(word, state)
         return code
 
     def _carry_out(self, command: Callable[[Controller], object]) -> tuple[Status, MachineState]:
@@ -125,8 +146,12 @@ class Session:
             raise KeyboardInterrupt
         self._interrupt()
 
-    def _say_result(self, status: Status, state: MachineState) -> None:
-        word = _STATUS_WORDS[status]
+    def _why_unanswered(self) -> str:
+        """Why the job has ended, where it stands, and how to go on."""
+        stopped = phrase("Stopped at {place}.", place=self._controller.position.in_words())
+        return joined(" ", [self._unanswered, stopped, *cut_short(self._controller.keep().job)])
+
+    def _say_result(self, word: str, state: MachineState) -> None:
         if self._as_json:
             result(json.dumps(self._result(word, state)), self._hurries.is_set)
             return
@@ -137,7 +162,7 @@ class Session:
         where = self._controller.machine.in_words(state.work_mm)
         in_force = state.work.words()
         sentence = joined(
-            "", (_SAID[status], ": ", where, *((" (", in_force, ")") if in_force else ()))
+            "", (_SAID[word], ": ", where, *((" (", in_force, ")") if in_force else ()))
         )
         result(sentence, self._hurries.is_set)
 
@@ -162,6 +187,7 @@ class Session:
                 "tool": state.work.tool,
                 "tool_length_mm": state.work.tool_length_mm,
             },
+            **self._kept_result(),
             "referenced": by_axis(state.referenced),
             "doubt": _doubt_result(self._controller.position),
             "steps": by_axis(self._controller.travelled_steps()),
@@ -177,6 +203,23 @@ class Session:
             **alarm_result(self._controller.error),
             **self._trace_result(),
             **self._more,
+        }
+
+    def _kept_result(self) -> dict[str, Any]:
+        """What else of the language outlives a program."""
+        names, kept = self._controller.machine.names, self._controller.position.offsets.parameters
+        homes = {"g28_mm": G28_HOME, "g30_mm": G30_HOME}
+        places = {
+            key: dict(zip(names, stored(kept, first, "".join(names)), strict=True))
+            for key, first in homes.items()
+        }
+        tools = changed_tools(kept, tool_table(self._controller.config))
+        return {
+            **places,
+            "tools_changed": {
+                str(number): {"length_mm": tool.length_mm, "diameter_mm": tool.diameter_mm}
+                for number, tool in tools.items()
+            },
         }
 
     def _trace_result(self) -> dict[str, Any]:
@@ -233,31 +276,60 @@ class Session:
         question = self._controller.question
         if not question:
             return
-        at_terminal = sys.stdin.isatty()
+        if self._unanswered:
+            return
+        given = None if self._asked else self._answers.next()
+        if given is not None:
+            self._end_progress()
+            note(joined("", (question, " [", given or GO_ON, "]")))
+            self._do_as_told(given)
+        elif sys.stdin.isatty():
+            self._ask(question)
+        else:
+            self._unanswered = phrase(
+                "{question} Nobody has answered: there is no terminal (--yes and --answer are for"
+                " scripts).",
+                question=question,
+            )
+            self._controller.cancel()
+
+    def _ask(self, question: str) -> None:
+        """Once; then look whether a line was typed."""
         if question != self._asked:
             self._asked = question
             self._end_progress()
-            note(
-                joined("", (question, " [", HINT, "] "))
-                if at_terminal
-                else phrase("{question} (no terminal: going on)", question=question),
-                end="" if at_terminal else "\n",
-            )
-        if at_terminal and not _line_waits():
+            note(joined("", (question, " [", HINT, "] ")), end="")
+        if not _line_waits():
             return
         self._asked = ""
         try:
-            typed = input().strip() if at_terminal else ""
+            typed = input().strip()
         except EOFError:
             self._controller.cancel()
             return
-        if not typed:
-            self._controller.answer()
-            return
         try:
-            by_hand(self._controller, typed)
+            self._follow(typed)
         except FraeseError as error:
             note(str(error))
+
+    def _do_as_told(self, given: str) -> None:
+        """An answer given beforehand; one that is refused leaves the question unanswered."""
+        try:
+            self._follow(given)
+        except FraeseError as error:
+            self._unanswered = str(error)
+            self._controller.cancel()
+
+    def _follow(self, line: str) -> None:
+        """Nothing: go on; else a word of moving by hand.
+
+        Raises:
+            FraeseError: it is refused.
+        """
+        if line:
+            by_hand(self._controller, line)
+        else:
+            self._controller.answer()
 
 
 def _line_waits() -> bool:
@@ -266,56 +338,6 @@ def _line_waits() -> bool:
         return bool(select.select([sys.stdin], [], [], _LOOK_EVERY_S)[0])
     except (OSError, ValueError):
         return True
-
-
-def watch_switches(controller: Controller, *, as_json: bool) -> int:
-    """Let each end switch be pressed by hand and say what is seen; the exit code.
-
-    With ``--json``, or where nobody sits at a terminal, one look is all.
-    """
-    if as_json or not sys.stdout.isatty():
-        return _look_once(controller, as_json=as_json)
-    axes = [axis.name for axis in controller.machine.axes if axis.has_switches]
-    if not axes:
-        say(phrase("This machine has no end switches."))
-        return 0
-    test = SwitchTest(axes)
-    shown = ""
-    while not test.done:
-        since_s = time.monotonic()
-        time.sleep(_LOOK_EVERY_S)
-        controller.idle(time.monotonic() - since_s)
-        seen = test.look(controller.state().switch_closed)
-        if seen:
-            tell(phrase("{seen} seen", seen=seen), over=True)
-        if test.sentence() != shown:
-            shown = test.sentence()
-            tell(shown + " ", end="", over=True)
-    tell(test.sentence(), over=True)
-    return 0
-
-
-def _look_once(controller: Controller, *, as_json: bool) -> int:
-    for _ in range(controller.config.switches.readings):
-        controller.idle()
-    state = controller.state()
-    if as_json:
-        values = {
-            "switch_closed": state.switch_closed,
-            "ends": list(state.ends),
-            "inputs": {str(pin): high for pin, high in state.inputs.items()},
-        }
-        say(json.dumps(values))
-    else:
-        pins = " ".join(f"{pin}:{'high' if high else 'low'}" for pin, high in state.inputs.items())
-        say(
-            phrase(
-                "end switches {word}; pins {pins}",
-                word=phrase("closed") if state.switch_closed else phrase("open"),
-                pins=pins,
-            )
-        )
-    return 0
 
 
 def _doubt_result(where: Position) -> dict[str, Any] | None:

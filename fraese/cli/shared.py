@@ -6,6 +6,7 @@ shows their fields to typer as options of their own:
     Place          --config --json --state
     StartingPlace  ... and --fresh
     Drive          ... and --real-time --trace
+    Answering      ... and --yes --answer
 """
 
 import dataclasses
@@ -21,15 +22,18 @@ import typer
 from fraese.assembly import Plant, assemble, state_folder
 from fraese.assembly.drivers import ClockName
 from fraese.cli import language
+from fraese.cli.answers import Answers
 from fraese.cli.departure import Departure
 from fraese.cli.leaving import leave
 from fraese.cli.options import (
+    AnswerOption,
     ConfigOption,
     FreshOption,
     JsonOption,
     RealTimeOption,
     StateOption,
     TraceOption,
+    YesOption,
 )
 from fraese.cli.output import note
 from fraese.cli.session import More, Session
@@ -53,6 +57,8 @@ class Place:
     fresh = False
     real_time = False
     trace = cast(Path | None, None)
+    yes = False
+    answer = cast(list[str] | None, None)
 
     @property
     def folder(self) -> Path:
@@ -83,7 +89,8 @@ class Place:
             plant = self.plant(at_desk=at_desk)
             departure = Departure()
             try:
-                session = Session(plant, as_json=self.as_json, departure=departure)
+                answers = Answers(self.answer or (), yes=self.yes)
+                session = Session(plant, as_json=self.as_json, departure=departure, answers=answers)
                 return session.do(action, more)
             except BaseException as error:
                 plant.close()
@@ -108,6 +115,14 @@ class Drive(StartingPlace):
 
     real_time: RealTimeOption = False
     trace: TraceOption = None
+
+
+@dataclass(frozen=True)
+class Answering(Drive):
+    """Options of a command whose job may ask something."""
+
+    yes: YesOption = False
+    answer: AnswerOption = None
 
 
 def _code_of(error: BaseException) -> int:

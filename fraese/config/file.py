@@ -23,6 +23,7 @@ from fraese.config.axis import LinearAxis, RotaryAxis
 from fraese.config.config import Config
 from fraese.config.section import Section, Truth
 from fraese.config.simulation import SimulatedAxis
+from fraese.config.solid import SimulatedSolid
 from fraese.config.work import ToolConfig
 from fraese.errors import ConfigError
 from fraese.phrases import Phrase, joined, phrase, reason
@@ -71,7 +72,11 @@ _BY_EXAMPLE: Mapping[str, tuple[str, ...]] = {
     "keys": ("[keys]", 'go_to = "f8"', 'jog_x_plus = ["right", "d"]'),
 }
 #: Tables of which there may be several, and the name of one that serves as an example.
-_NAMED_AT_WILL: Mapping[type[Section], str] = {ToolConfig: "1", SimulatedAxis: "x"}
+_NAMED_AT_WILL: Mapping[type[Section], str] = {
+    ToolConfig: "1",
+    SimulatedAxis: "x",
+    SimulatedSolid: "plate",
+}
 
 
 def find_file(named: Path | None = None) -> Path | None:

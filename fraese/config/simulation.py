@@ -18,6 +18,7 @@ from pydantic import Field, field_validator, model_validator
 from fraese.config.axes import AxisName
 from fraese.config.axis import MOST_AXES, Band, from_below, gear_ratio
 from fraese.config.section import NotNegative, Positive, Section
+from fraese.config.solid import SimulatedSolid
 from fraese.phrases import phrase
 
 #: Keys of older files, in half-steps of a motor with 400 in a turn, and what they became.
@@ -197,6 +198,15 @@ class SimulationConfig(SimulatedMotor):
     )
     bounce_readings: int = Field(
         0, ge=0, le=100, description=("Readings after each change that bounce.")
+    )
+    tool_length_mm: NotNegative = Field(
+        0, description="How far the tool really reaches below the spindle, mm."
+    )
+    tool_diameter_mm: NotNegative = Field(0, description="Its true diameter, mm.")
+    solids: dict[str, SimulatedSolid] = Field(
+        default_factory=dict,
+        max_length=20,
+        description="What lies on the table and can be touched, by a name of your own.",
     )
     axes: dict[AxisName, SimulatedAxis] = Field(
         default_factory=dict, description="What one axis really is, by its name."

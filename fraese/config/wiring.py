@@ -35,7 +35,8 @@ class OutputsConfig(Section):
     laser: OutputConfig | None = Field(
         None,
         description=(
-            "Laser: follows M3, M4 and M5 without a stop, and is off whenever the motors stand."
+            "Laser: follows M3, M4, M5 and S0 without a stop, dark along rapids and whenever the"
+            " motors stand."
         ),
     )
     enable: OutputConfig | None = Field(

@@ -10,7 +10,8 @@ Rule 4: what is known is known in one place: positions in ``position``, contacts
         commands are in ``commands.py``.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from fraese.anythread import any_thread
 from fraese.config import Config
@@ -210,14 +211,17 @@ class Controller(Commands):
         """Blocks of the present job that were played to their end."""
         return self._queue.finished
 
+    def cut_short(self) -> Mapping[str, Any] | None:
+        """What is kept of the program in hand, or of the last one that was cut short."""
+        return self._loop.unfinished.known()
+
     def keep(self) -> SavedState:
         """What must survive a restart."""
         report = self._queue.report
         state = SavedState.of(self.position, report.phases, self.switches.names())
         # Also in the middle of a block.
         slack_steps = self.position.slack_seen_steps(report.position_steps)
-        job = self._loop.unfinished.known()
-        return state.model_copy(update={"slack_steps": slack_steps, "job": job})
+        return state.model_copy(update={"slack_steps": slack_steps, "job": self.cut_short()})
 
     def take_up(self, kept: SavedState) -> None:
         """Go on where another run ended; the phases are the driver maker's business."""

@@ -33,7 +33,8 @@ def contact_bits(switches: SwitchesConfig) -> tuple[int, int]:
     return _bits(switches.pin, bool(switches.closed_reads))
 
 
-def _probe_bits(probe: ProbeConfig, switches: SwitchesConfig) -> tuple[int, int]:
+def probe_bits(probe: ProbeConfig, switches: SwitchesConfig) -> tuple[int, int]:
+    """The same of the probe, which may share their input."""
     if probe.pin is None:
         return contact_bits(switches)
     return _bits(probe.pin, bool(probe.closed_reads))
@@ -61,7 +62,7 @@ class EndSwitches:
 
     def __init__(self, config: Config, position: Position, driver: StepDriver) -> None:
         self._contact = contact_bits(config.switches)
-        self._probe = _probe_bits(config.probe, config.switches)
+        self._probe = probe_bits(config.probe, config.switches)
         self._reach_mm = 2 * config.homing.pull_off_mm
         self._machine = position.machine
         self._position = position

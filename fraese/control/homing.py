@@ -90,6 +90,8 @@ class Homing:
         self._lost = lost
         self._measure = measure
         self.measured_mm: dict[str, float] = {}
+        # Work offsets that went along, by axis.
+        self._carried: dict[str, tuple[str, ...]] = {}
 
     def job(self, axes: Sequence[str]) -> Job:
         """The run, as a job for the run loop.
@@ -107,7 +109,16 @@ class Homing:
         said = []
         for name in axes:
             said.append((yield from self._reference(name)))
-        self._say(phrase("Referenced: {axes}.", axes=joined(", ", said)))
+        carried = [
+            phrase(
+                "What was set before as {places} of {axis} keeps its place.",
+                places=joined(", ", names),
+                axis=axis.upper(),
+            )
+            for axis, names in self._carried.items()
+        ]
+        referenced = phrase("Referenced: {axes}.", axes=joined(", ", said))
+        self._say(joined(" ", [referenced, *carried]))
 
     # --- one axis ------------------------------------------------------------------------------
 
@@ -117,7 +128,7 @@ class Homing:
     def _reference(self, name: str) -> Generator[Demand, Report, str]:
         axis = self._axis(name)
         if not axis.has_switches:
-            self._position.set_reference(name, 0)
+            self._set_zero(axis)
             return phrase(
                 "{name} (without end switches: where it stands is zero)", name=name.upper()
             )
@@ -125,7 +136,7 @@ class Homing:
         self._position.lose_reference([self._machine.index(name)])
         contact = yield from self._find(axis, sign)
         yield from self._pull_off(axis, sign, contact)
-        self._position.set_reference(name, 0)
+        self._set_zero(axis)
         if not self._measure:
             return name.upper()
         yield Doing(phrase("{name}: to the other end", name=name.upper()))
@@ -142,6 +153,11 @@ class Homing:
             measured=measured,
             with_unit=axis.with_unit(axis.travel_mm),
         )
+
+    def _set_zero(self, axis: Axis) -> None:
+        """Here is its machine zero."""
+        if carried := self._position.set_reference(axis.name, 0):
+            self._carried[axis.name] = carried
 
     def _back_to_zero(self, axis: Axis) -> _Steps:
         """The other end may lie outside the soft limits; home is where a reference run ends."""

@@ -39,10 +39,12 @@ class Ask:
     Attributes:
         question: what he is asked.
         admits: he may move by hand meanwhile; whoever asks sees to the way back.
+        tag: of the move that asks, as blocks have it; 0: it is no move.
     """
 
     question: str
     admits: bool = True
+    tag: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -94,6 +94,8 @@ class MotionQueue:
         self.handling = handling or Handling(driver)
         # What was finished of the move in hand: its tag, and how long that took at 100 %.
         self._move_tag, self._move_s = 0, 0.0
+        # Of the question at which the job waited last.
+        self._asked_tag = 0
         self.recorder = recorder
         recorder.attach(self)
         # What the driver will have counted when all was played.
@@ -120,7 +122,7 @@ class MotionQueue:
         """A new job: what an old brake left is undone, blocks are counted from here."""
         self.drop()
         self._position.aim_steps = None
-        self.blocks = self.finished = 0
+        self.blocks = self.finished = self._asked_tag = 0
         self._serial_at_start = self.report.playing
 
     def drop(self) -> None:
@@ -289,8 +291,12 @@ class MotionQueue:
     @property
     @any_thread
     def tag(self) -> int:
-        """Of the block in hand, or the last one of this job; 0: none has begun."""
-        return self.report.tag if self.has_begun else 0
+        """Of the block in hand, the last one of this job, or a question behind it; 0: of none."""
+        return max(self.report.tag if self.has_begun else 0, self._asked_tag)
+
+    def asks(self, tag: int) -> None:
+        """All was played up to a question with this tag; 0: it has none."""
+        self._asked_tag = tag
 
     def duration_s(self) -> float:
         """Motion in the queue, as planned, without what was played of the block in hand."""
@@ -304,7 +310,7 @@ class MotionQueue:
     def in_move_s(self) -> float:
         """How much of the move in hand was made, s as planned at 100 %."""
         report, queue = self.report, self._queue
-        before_s = self._move_s if report.tag == self._move_tag else 0.0
+        before_s = self._move_s if self.tag == self._move_tag else 0.0
         try:
             first = queue[0]
         except IndexError:

@@ -59,7 +59,9 @@ class Position:
         self.machine = machine
         self.position_steps: Steps = (0,) * axes
         self.referenced = (False,) * axes
-        self.offsets = WorkOffsets("".join(axis.name for axis in machine.axes))
+        self.offsets = WorkOffsets(
+            "".join(axis.name for axis in machine.axes), lambda: self.referenced
+        )
         self.doubt: Doubt | None = None
         self.was_abandoned = False
         self.turn_steps: Steps = (0,) * axes
@@ -144,22 +146,28 @@ class Position:
         self._carriages.slack_steps = slack_steps
         self._stand_at(position_steps)
         self.referenced = tuple(referenced)
-        self.offsets.replace(parameters)
+        self.offsets.take_up(parameters)
 
     def _stand_at(self, position_steps: Steps) -> None:
         self._carriages.position_steps = self.position_steps = position_steps
 
     # --- reference -----------------------------------------------------------------------------
 
-    def set_reference(self, name: str, position_steps: int) -> None:
-        """Let the present position of an axis be this one, and count it as referenced."""
+    def set_reference(self, name: str, position_steps: int) -> tuple[str, ...]:
+        """Let the present position of an axis be this one, and count it as referenced.
+
+        Returns:
+            Which work offsets were carried along, see ``WorkOffsets.carry``.
+        """
         motor = self.machine.index(name)
         position = list(self.position_steps)
+        way_steps = position_steps - position[motor]
         position[motor] = position_steps
         self._stand_at(tuple(position))
         self.referenced = tuple(n == motor or old for n, old in enumerate(self.referenced))
         if all(self.referenced):
             self.doubt, self.was_abandoned = None, False
+        return self.offsets.carry(name, self.machine.axes[motor].to_mm(way_steps))
 
     def doubt_between(self, why: str, low_steps: Steps, high_steps: Steps) -> None:
         """The motors may have counted anything between these; a doubt of before goes on.

@@ -300,6 +300,7 @@ class Runner:
         if isinstance(wait, Ask):
             if not self.question:
                 self._answered = False
+                self._queue.asks(wait.tag)
                 self.question = wait.question
             if not self._answered:
                 return False

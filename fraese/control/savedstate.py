@@ -124,7 +124,7 @@ class SavedState(_Fact):
         return cls(
             position_steps=where.position_steps,
             slack_steps=where.slack_steps,
-            parameters=where.offsets.parameters,
+            parameters=where.offsets.kept(),
             referenced=where.referenced,
             phases=phases,
             ends=tuple(ends),

@@ -79,6 +79,23 @@ def why_not(
     )
 
 
+def within_travel(
+    machine: Machine, referenced: Sequence[bool], from_mm: Sequence[float], to_mm: Sequence[float]
+) -> tuple[float, ...]:
+    """How far a straight way gets inside the travel; ``to_mm`` itself where that is all inside."""
+    share = 1.0
+    for axis, is_known, start_mm, end_mm in zip(
+        machine.axes, referenced, from_mm, to_mm, strict=True
+    ):
+        if is_known and not axis.is_endless and start_mm != end_mm:
+            inside_mm = min(max(end_mm, axis.low_mm), axis.high_mm)
+            share = min(share, (inside_mm - start_mm) / (end_mm - start_mm))
+    if share == 1:
+        return tuple(to_mm)
+    ways = zip(from_mm, to_mm, strict=True)
+    return tuple(start + max(share, 0.0) * (end - start) for start, end in ways)
+
+
 def jog_target(
     position: Position, motor: int, distance_steps: int, longest_mm: float, *, clamp: bool
 ) -> Steps:

@@ -3,25 +3,33 @@
 Rule 1: the parameters are those of the language, so that panel and program share one set.
 Rule 2: while a program runs the interpreter is ahead of the motors: what is in force where they
         are is asked of whoever follows it (``follow``).
-Rule 3: what others read is replaced whole, so that it may be read from any thread.
+Rule 3: a place that is set while nobody knows where its axis is, is right on the table, and not in
+        numbers: the reference run gives the axis other ones, and carries the place along. What was
+        set when the axis was referenced is not moved: it is right again.
+Rule 4: what others read is replaced whole, so that it may be read from any thread.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
 from fraese.workframe import (
+    G92_OFFSET,
     TOOL_NUMBER,
+    UNSURE,
     Point,
     WorkFrame,
     first_of_system,
     numbers,
+    place_name,
+    places,
 )
 
 #: So many zeros can be undone.
 _MOST_UNDONE: Final = 20
 #: Persistent parameters and the frame in force with them.
 InForce = tuple[Mapping[int, float], WorkFrame]
+_Zero = tuple[dict[int, float], dict[int, float], frozenset[int]]
 
 
 class WorkOffsets:
@@ -29,20 +37,78 @@ class WorkOffsets:
 
     Args:
         axes: letters, in machine order.
+        referenced: which of them are, in this order.
     """
 
-    def __init__(self, axes: str) -> None:
+    def __init__(self, axes: str, referenced: Callable[[], Sequence[bool]]) -> None:
         self._axes = axes
+        self._referenced = referenced
+        self._places = places(axes)
+        # Numbers of places that are right on the table only.
+        self._unsure: frozenset[int] = frozenset()
         self._kept: InForce = {}, WorkFrame.of({}, axes)
         self._followed: Callable[[], InForce] | None = None
-        # Before and after each zero that was set; the last one is undone first.
-        self._zeros: deque[tuple[dict[int, float], dict[int, float]]] = deque(maxlen=_MOST_UNDONE)
+        # Before and after each zero that was set, and what was unsure before; the last one is
+        # undone first.
+        self._zeros: deque[_Zero] = deque(maxlen=_MOST_UNDONE)
         self._put: Callable[[Mapping[int, float]], object] = self.replace
 
     def replace(self, parameters: Mapping[int, float]) -> None:
-        """Take up what a program left, or what was kept."""
+        """Take up what a program or a command left."""
+        self._mark(parameters)
+        self._take(parameters)
+
+    def _take(self, parameters: Mapping[int, float]) -> None:
         self._followed, self._put = None, self.replace
         self._kept = dict(parameters), WorkFrame.of(parameters, self._axes)
+
+    def take_up(self, kept: Mapping[int, float]) -> None:
+        """Go on with what was kept."""
+        marks = {UNSURE + number: number for number in self._places}
+        self._unsure = frozenset(marks[number] for number in kept if number in marks)
+        self._take({number: value for number, value in kept.items() if number not in marks})
+
+    def kept(self) -> dict[int, float]:
+        """What is to be kept, for ``take_up``."""
+        self._mark(self._in_force()[0])
+        return {**self.parameters, **dict.fromkeys((UNSURE + n for n in self._unsure), 1.0)}
+
+    def _mark(self, parameters: Mapping[int, float], also: Iterable[int] = ()) -> None:
+        """Places that are set now: of an axis that is not referenced they are unsure."""
+        before = self._kept[0]
+        new = {n for n in self._places if before.get(n) != parameters.get(n)}.union(also)
+        if new:
+            known = dict(zip(self._axes, self._referenced(), strict=True))
+            sure = {number for number in new if known[self._places[number]]}
+            self._unsure = self._unsure - sure | (new - sure)
+
+    def carry(self, letter: str, way_mm: float) -> tuple[str, ...]:
+        """An axis has got other numbers: places that are unsure stay where they are on the table.
+
+        Args:
+            letter: of the axis, which is referenced now.
+            way_mm: what was added to its position.
+
+        Returns:
+            What was carried along, by name.
+        """
+        mine = {number for number in self._unsure if self._places[number] == letter}
+        self._unsure -= mine
+        if not mine:
+            return ()
+        parameters, frame = self.parameters, self.frame
+        axis = self._axes.index(letter)
+        shifts = set(numbers(G92_OFFSET, self._axes)) & mine
+        for number in mine - shifts:
+            parameters[number] += way_mm
+        # A shift lies on top of its system: with that it is carried already.
+        if shifts and numbers(first_of_system(frame.system), self._axes)[axis] not in mine:
+            way = frame.turned(tuple(way_mm * (n == axis) for n in range(len(self._axes))), -1.0)
+            for number, more in zip(numbers(G92_OFFSET, self._axes), way, strict=True):
+                parameters[number] = parameters.get(number, 0.0) + more
+        self._zeros.clear()
+        self._take(parameters)
+        return tuple(dict.fromkeys(place_name(number) for number in sorted(mine)))
 
     def follow(
         self,
@@ -97,7 +163,8 @@ class WorkOffsets:
         }
         before = self.parameters
         after = {**before, **changes}
-        self._zeros.append((before, after))
+        self._zeros.append((before, after, self._unsure))
+        self._mark(after, also=changes)
         self._put(after)
 
     def undo_zero(self) -> bool:
@@ -105,5 +172,7 @@ class WorkOffsets:
         if not self._zeros or self._zeros[-1][1] != self.parameters:
             self._zeros.clear()
             return False
-        self._put(self._zeros.pop()[0])
+        before, _, unsure = self._zeros.pop()
+        self._put(before)
+        self._unsure = unsure
         return True

@@ -90,11 +90,20 @@ class Probe:
 
 @dataclass(frozen=True, slots=True)
 class Spindle:
-    """Spindle clockwise (+1), counter-clockwise (-1) or off (0), with its speed."""
+    """Spindle clockwise (+1), counter-clockwise (-1) or off (0), with its speed.
+
+    ``has_speed``: an S word has said so; without any the speed is the machine's own.
+    """
 
     line: int
     direction: Literal[-1, 0, 1]
     rev_min: float
+    has_speed: bool = True
+
+    @property
+    def is_on(self) -> bool:
+        """It turns, or a beam burns: S0 is off."""
+        return self.direction != 0 and (self.rev_min > 0 or not self.has_speed)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,18 +117,23 @@ class Coolant:
 
 @dataclass(frozen=True, slots=True)
 class Tool:
-    """M6: the tool with this number goes into the spindle. A barrier."""
+    """M6: the tool with this number goes into the spindle. A barrier.
+
+    ``remark``: what the program says beside it, for people.
+    """
 
     line: int
     number: int
+    remark: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Pause:
-    """M0, M60, or M1 (``optional``). A barrier."""
+    """M0, M60, or M1 (``optional``). A barrier; ``remark`` as for a tool."""
 
     line: int
     optional: bool
+    remark: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -157,7 +157,7 @@ class Drilling:
             yield Dwell(line, value)
         elif kind in _SPINDLE:
             direction = cast(Literal[-1, 0, 1], spindle * _SPINDLE[kind])
-            yield Spindle(line, direction, self._modal.rev_min)
+            yield Spindle(line, direction, self._modal.rev_min, self._modal.has_speed)
         elif self._modal.overrides:
             # M49 holds the feed already, and goes on to do so.
             yield Overrides(line, kind == "free feed")

@@ -4,7 +4,7 @@ Whatever shifts them leaves the machine where it is, so the position is carried 
 machine coordinates.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
 from fraese.errors import ProgramError
@@ -13,6 +13,7 @@ from fraese.gcode.expressions import whole
 from fraese.gcode.offsets import HOMES
 from fraese.gcode.position import Position
 from fraese.gcode.setup import ToolData
+from fraese.gcode.tooltable import MOST_CHANGED, as_parameters, changed_tools
 from fraese.gcode.words import Block
 from fraese.phrases import phrase
 from fraese.workframe import G92_OFFSET, Point
@@ -29,7 +30,10 @@ class Frames:
         self._modal = position.modal
         self._coordinates = position.coordinates
         self._any_tool = tools is None
-        self._tools = dict(tools or {})
+        self._configured = tools or {}
+        changed = changed_tools(self._coordinates.kept, self._configured)
+        self._tools = {**self._configured, **changed}
+        self._changed = set(changed)
 
     def nonmodal(self, code: int, block: Block) -> Iterable[Move]:
         """A code of the non-modal group; G4 and G53 are seen to elsewhere.
@@ -175,6 +179,7 @@ class Frames:
     def _set_system_here(self, block: Block) -> None:
         if "r" in block.words:
             raise ProgramError(phrase("G10 L20 takes no R word; use G10 L2 to rotate"))
+        self._position.depends(100, 20)
         system = self._system_word(block)
         frame = self._coordinates.of_system(system)
         wanted = self._position.given(block, self._position.at)
@@ -202,7 +207,18 @@ class Frames:
             if radius is None
             else 2 * radius * self._modal.scale_mm
         )
-        self._tools[number] = ToolData(offsets.pop("z", 0.0), diameter_mm, offsets)
+        self._tools[number] = tool = ToolData(offsets.pop("z", 0.0), diameter_mm, offsets)
+        self._changed.add(number)
+        if len(self._changed) > MOST_CHANGED:
+            raise ProgramError(
+                phrase(
+                    "programs may change {most} tools of the table, and this is one more: put them"
+                    " into the configuration ([tools])",
+                    most=MOST_CHANGED,
+                )
+            )
+        configured = self._configured.get(number, ToolData())
+        self._coordinates.keep(as_parameters(number, tool, configured))
 
     def _tool_offset(self, block: Block) -> None:
         number = self._tool_word(block)
@@ -211,6 +227,7 @@ class Frames:
     def _tool_here(self, block: Block, fixture: int = 0) -> None:
         """The offset with which the present place reads as the axis words."""
         number = self._tool_word(block)
+        self._position.depends(100, 11 if fixture else 10)
         machine = self._position.machine
         offset_mm = self._coordinates.tool_offset_at(
             machine, self._axis_words(block), self._offset_in_table(number), fixture
@@ -225,7 +242,10 @@ class Frames:
         position = self._position
         coordinates = self._coordinates
         given = [letter in block.words for letter in coordinates.axes]
+        homed = self._moved_home(given)
+        position.require_reference(homed, code)
         position.at = position.target(block)
+        position.fix(homed)
         yield Rapid(position.line, position.machine)
         # Single axes go home along the program's axes, which a rotation has turned.
         stored = coordinates.frame.to_work(coordinates.read(HOMES[code]))
@@ -236,13 +256,21 @@ class Frames:
         )
         yield Rapid(position.line, position.machine)
 
+    def _moved_home(self, given: Sequence[bool]) -> list[str]:
+        """Letters of the machine's axes that G28 and G30 move: those that are given, or all."""
+        axes = self._coordinates.axes
+        chosen = {letter for letter, is_given in zip(axes, given, strict=True) if is_given}
+        return sorted(self._coordinates.frame.moved_with(chosen or axes))
+
     def _store_home(self, code: int, block: Block) -> Iterable[Move]:
+        self._position.depends(code)
         self._coordinates.write(HOMES[code], self._position.machine)
         return ()
 
     def _g92(self, code: int, block: Block) -> Iterable[Move]:
         if not block.has_axes:
             raise ProgramError(phrase("G92 needs an axis word"))
+        self._position.depends(code)
         position = self._position
         at = position.at
         wanted = self._position.given(block, at)

@@ -36,6 +36,7 @@ from fraese.gcode.offsets import Coordinates
 from fraese.gcode.outputs import Handler, Moves, Outputs
 from fraese.gcode.oword import Flow
 from fraese.gcode.parameters import Parameters
+from fraese.gcode.replay import Replay
 from fraese.gcode.settings import Settings
 from fraese.gcode.setup import Setup
 from fraese.gcode.source import Source
@@ -67,13 +68,18 @@ class Interpreter:
         self._modal = Modal(tool=setup.tool, scale_mm=25.4 if setup.inches else 1.0)
         axes = Axes(setup.axes, setup.rotary)
         coordinates = Coordinates(parameters, setup.axes)
-        self._motion = Motion(axes, parameters, coordinates, self._modal)
+        self._motion = Motion(axes, parameters, coordinates, self._modal, setup.unreferenced)
         self._motion.at = coordinates.frame.to_work(setup.position_mm or coordinates.nothing)
         self._frames = Frames(self._motion, setup.tools)
         self._settings = Settings(self._motion, self._frames)
         self._notes = messages.Notes()
         self._outputs = Outputs(
-            self._motion, self._frames, self._settings, self._notes, setup.ignored_m_codes
+            self._motion,
+            self._frames,
+            self._settings,
+            self._notes,
+            setup.ignored_m_codes,
+            remark=lambda: messages.remark(self._text),
         )
         # where the last move inside a loop or subroutine went
         self._last_to: Point | None = None
@@ -126,6 +132,22 @@ class Interpreter:
         """
         now = self._flow.source
         return ProgramError(message, line or max(now.line, 1), now.file, self._flow.calls())
+
+    def only_read(self, line: int) -> Replay:
+        """What comes before this line is read, and not carried out."""
+        replay = Replay(self.setup.axes, lambda: self.has_come_to(line, self._motion.line))
+        self._motion.replay = replay
+        return replay
+
+    def has_come_to(self, wanted: int, line: int) -> bool:
+        """See ``Flow.has_come_to``."""
+        return self._flow.has_come_to(wanted, line)
+
+    @property
+    def called_in(self) -> int:
+        """The program's line that called what is carried out; 0: it stands in the program."""
+        calls = self._flow.calls()
+        return calls[-1][1] if calls else 0
 
     @property
     def modal(self) -> Modal:

@@ -42,7 +42,8 @@ def as_dict(move: Move) -> Json | None:
     Keys: ``line`` and ``kind`` always; ``to`` in machine mm; for arcs ``centre`` in the order
     of the plane's axes (G17 x, y; G18 z, x; G19 y, z), ``plane`` (17, 18, 19) and signed
     ``turns``; ``feed_mm_min``; ``duration_s`` of a dwell; ``direction`` and ``rev_min`` of
-    the spindle; ``mist`` and ``flood``; ``number`` of a tool; ``optional`` of a pause;
+    the spindle, and ``has_speed``; ``mist`` and ``flood``; ``number`` of a tool; ``optional`` of
+    a pause, and of both the ``remark`` beside it;
     ``until_closed`` and ``must_touch`` of a probe.
     """
     if isinstance(move, _SILENT):

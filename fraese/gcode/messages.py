@@ -24,6 +24,11 @@ _ACTIVE = re.compile(
 )
 _ABORT = re.compile(r"\s*abort,(.*)", re.I | re.DOTALL)
 _PARTS = re.compile(r"%(d|f|\.[0-9]f)|#(?:<([^<>]+)>|([0-9]{1,9}))")
+_COMMENTS = re.compile(r"\(([^)]*)\)|;(.*)")
+#: Words of the language in comments, all but MSG.
+_COMMANDS = re.compile(
+    r"\s*(debug|print|abort|log|logopen|logappend|probeopen)\s*,|\s*(log|probe)close", re.I
+)
 _FORMATS: Final = {"d": ".0f", "f": ".4f"}
 
 
@@ -64,6 +69,13 @@ def read(comment: str, parameters: Parameters) -> tuple[Kind, str] | None:
     if kind == "print":
         return "print", _filled(text, parameters)
     return ("debug", _filled(text, parameters)) if parameters.get(DEBUG_SWITCH) else None
+
+
+def remark(text: str) -> str:
+    """What the comments of a line say to whoever stands at the machine; empty: nothing."""
+    comments = map("".join, _COMMENTS.findall(text))
+    said = (_ACTIVE.sub(r"\2", each).strip() for each in comments if not _COMMANDS.match(each))
+    return ", ".join(filter(None, said))
 
 
 def _filled(text: str, parameters: Parameters) -> str:

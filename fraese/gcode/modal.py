@@ -194,6 +194,8 @@ class Modal:
     feed_word: float = 0.0
     spindle: int = 0
     rev_min: float = 0.0
+    # an S word has come
+    has_speed: bool = False
     mist: bool = False
     flood: bool = False
     tool: int = 0

@@ -37,9 +37,14 @@ class Motion(Position):
     """The motion codes."""
 
     def __init__(
-        self, axes: Axes, parameters: Parameters, coordinates: Coordinates, modal: Modal
+        self,
+        axes: Axes,
+        parameters: Parameters,
+        coordinates: Coordinates,
+        modal: Modal,
+        unreferenced: str,
     ) -> None:
-        super().__init__(axes, coordinates, modal)
+        super().__init__(axes, coordinates, modal, unreferenced)
         self._parameters = parameters
         self._drilling = Drilling(self)
 
@@ -92,6 +97,9 @@ class Motion(Position):
         frame = self.coordinates.frame
         here = frame.to_machine(self.at)
         to = self.given(block, here)
+        letters = [letter for letter in frame.axes if letter in block.words]
+        self.require_reference(letters, 530)
+        self.fix(letters)
         self.at = frame.to_work(to)
         if code == 0:
             return (Rapid(self.line, to),)

@@ -46,6 +46,17 @@ class Coordinates:
         self.frame = WorkFrame.of(parameters.numbered, axes)
         parameters.set(ACTIVE_SYSTEM, float(self.frame.system))
 
+    @property
+    def kept(self) -> Mapping[int, float]:
+        """All parameters, by number."""
+        return self._parameters.numbered
+
+    def keep(self, values: Mapping[int, float]) -> None:
+        """What outlives the program, under numbers that are none of the language's."""
+        for number, value in values.items():
+            if value or number in self.kept:
+                self._parameters.keep(number, value)
+
     def read(self, first: int) -> Point:
         """A table of parameters as a point."""
         return stored(self._parameters.numbered, first, self.axes)

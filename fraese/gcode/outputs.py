@@ -44,6 +44,7 @@ class Outputs:
         settings: Settings,
         notes: Notes,
         ignored: frozenset[int] = frozenset(),
+        remark: Callable[[], str] = str,
     ) -> None:
         self._motion = motion
         self._modal = motion.modal
@@ -51,6 +52,8 @@ class Outputs:
         self._settings = settings
         self._notes = notes
         self._ignored = ignored
+        # what is said beside the codes of the line in hand
+        self._remark = remark
         # whether the program has come to its end
         self.ended = False
 
@@ -89,7 +92,7 @@ class Outputs:
                 phrase("the S word must not be negative; use M4 for the other direction")
             )
         m = self._modal
-        m.rev_min = value
+        m.rev_min, m.has_speed = value, True
         # Where the spindle code is on the same line, it says the new speed itself.
         if m.spindle and "spindle" not in block.codes:
             return (self._spindle_now(),)
@@ -97,7 +100,8 @@ class Outputs:
 
     def _spindle_now(self) -> Spindle:
         m = self._modal
-        return Spindle(self._motion.line, cast(Literal[-1, 0, 1], m.spindle), m.rev_min)
+        direction = cast(Literal[-1, 0, 1], m.spindle)
+        return Spindle(self._motion.line, direction, m.rev_min, m.has_speed)
 
     def _select_tool(self, block: Block, value: float) -> Moves:
         number = whole(value, phrase("the T word"))
@@ -115,7 +119,7 @@ class Outputs:
         if m.spindle:
             m.spindle = 0
             yield self._spindle_now()
-        yield Tool(self._motion.line, m.selected_tool)
+        yield Tool(self._motion.line, m.selected_tool, self._remark())
         self._frames.put_in(m.selected_tool)
 
     def _spindle(self, block: Block, value: float) -> Moves:
@@ -171,7 +175,7 @@ class Outputs:
         code = int(value) - M_OFFSET
         if code in (2, 30):
             return self.end(self._motion.line)
-        return (Pause(self._motion.line, optional=code == 1),)
+        return (Pause(self._motion.line, optional=code == 1, remark=self._remark()),)
 
     def end(self, line: int) -> Iterator[Move]:
         """Everything off and back to the defaults, as M2 does it."""

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Final
 
 from fraese.errors import ProgramError
-from fraese.gcode.callframes import Frame, Loop
+from fraese.gcode.callframes import Frame, Loop, has_come_to
 from fraese.gcode.expressions import Reader, whole
 from fraese.gcode.labels import LabelReader, OWord
 from fraese.gcode.parameters import ARGUMENTS, Parameters, Scope
@@ -52,6 +52,10 @@ class Flow:
         """Where the running subroutines were called: file and line, the innermost first."""
         return tuple((frame.source.file, frame.source.line) for frame in reversed(self._callers))
 
+    def has_come_to(self, wanted: int, line: int) -> bool:
+        """See ``callframes.has_come_to``."""
+        return has_come_to((*self._callers, self.frame), wanted, line, self._library.holds(wanted))
+
     def next(self) -> str | None:
         """The next line, or None at the end of the program.
 
@@ -65,9 +69,8 @@ class Flow:
             if text is None and frame.sub is not None:
                 raise ProgramError(phrase("subprogram O{name} ends without M99", name=frame.name))
             if text is None and frame.name:
-                raise ProgramError(
-                    phrase("subroutine o<{name}> ends without endsub", name=frame.name)
-                )
+                said = phrase("subroutine o<{name}> ends without endsub", name=frame.name)
+                raise ProgramError(said)
         return text
 
     def _count(self) -> None:

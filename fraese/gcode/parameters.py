@@ -10,7 +10,7 @@ from typing import Final
 
 from fraese.errors import ProgramError
 from fraese.phrases import phrase
-from fraese.workframe import PERSISTENT
+from fraese.workframe import PERSISTENT, TOOLS
 
 MAX_INDEX: Final = 5601
 ARGUMENTS: Final = 30
@@ -36,7 +36,9 @@ class Parameters:
 
     def persistent(self) -> dict[int, float]:
         """What outlives the program, lengths in mm."""
-        return {index: self.numbered[index] for index in PERSISTENT if index in self.numbered}
+        numbered = self.numbered
+        own = {index: numbered[index] for index in PERSISTENT if index in numbered}
+        return own | {index: value for index, value in numbered.items() if index >= TOOLS}
 
     def get(self, index: int) -> float:
         """Value of ``#index``; never set means 0.

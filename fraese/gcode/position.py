@@ -7,6 +7,7 @@ Rule 2  A feed is in mm/min of the path, whichever of G93 and G94 is in force; i
 """
 
 import math
+from collections.abc import Collection, Iterable
 from operator import add
 from typing import Final
 
@@ -14,6 +15,7 @@ from fraese.errors import ProgramError
 from fraese.gcode.axes import Axes, Way
 from fraese.gcode.modal import Modal, name
 from fraese.gcode.offsets import Coordinates
+from fraese.gcode.replay import Replay
 from fraese.gcode.words import Block
 from fraese.phrases import phrase
 from fraese.workframe import Point
@@ -25,11 +27,16 @@ LEAST_FEED: Final = 0.1
 class Position:
     """Place, modal state and coordinates, shared by everything that moves or shifts."""
 
-    def __init__(self, axes: Axes, coordinates: Coordinates, modal: Modal) -> None:
+    def __init__(
+        self, axes: Axes, coordinates: Coordinates, modal: Modal, unreferenced: str = ""
+    ) -> None:
         self.axes = axes
         self.modal = modal
         self.coordinates = coordinates
         self.at: Point = coordinates.nothing
+        self._unreferenced = unreferenced
+        # where a program is only read, to be begun at a place of it
+        self.replay: Replay | None = None
         # the line that is being carried out
         self.line = 0
 
@@ -43,6 +50,8 @@ class Position:
         words = block.words
         modal = self.modal
         at = self.at
+        if self.replay is not None:
+            self.replay.goes(words, self.line, absolute=modal.absolute)
         if "@" in words or "^" in words:
             at = self._by_polar(words)
         if modal.absolute:
@@ -77,6 +86,42 @@ class Position:
         angle = math.radians(angle_deg)
         to[first], to[second] = radius_mm * math.cos(angle), radius_mm * math.sin(angle)
         return tuple(to)
+
+    def depends(self, code: int, kind: float = 0.0) -> None:
+        """What is carried out means the place where the machine stands.
+
+        Raises:
+            ProgramError: the line is only read.
+        """
+        if self.replay is not None:
+            self.replay.refuse(code, kind)
+
+    def fix(self, letters: Collection[str]) -> None:
+        """These axes go to places of the machine."""
+        if self.replay is not None:
+            self.replay.fix(letters)
+
+    def require_reference(self, letters: Iterable[str], code: int) -> None:
+        """See that these axes can go to a place of the machine.
+
+        Raises:
+            ProgramError: nobody knows where one of them is.
+        """
+        lost = [letter.upper() for letter in letters if letter in self._unreferenced]
+        if lost:
+            said = (
+                phrase("axis {letters} is", letters=lost[0])
+                if len(lost) == 1
+                else phrase("axes {letters} are", letters=" ".join(lost))
+            )
+            raise ProgramError(
+                phrase(
+                    "{code} goes to a place of the machine, and {axes} not referenced: nobody"
+                    " knows where that is; reference first",
+                    code=name(code),
+                    axes=said,
+                )
+            )
 
     def feed_for(self, block: Block, way: Way, code: int) -> float:
         """Feed of this move along what it counts along, in mm/min or degrees/min.

@@ -115,7 +115,8 @@ class Settings:
         if changes["path"]:
             yield PathControl(line, m.path_mode, m.tolerance_mm)
         if changes["spindle"]:
-            yield Spindle(line, cast("Literal[-1, 0, 1]", m.spindle), m.rev_min)
+            direction = cast("Literal[-1, 0, 1]", m.spindle)
+            yield Spindle(line, direction, m.rev_min, m.has_speed)
         if changes["coolant"]:
             yield Coolant(line, m.mist, m.flood)
         if changes["overrides"]:

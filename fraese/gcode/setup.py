@@ -57,6 +57,8 @@ class Setup:
         file_lines: the lines of such a file; None: there is none.
         max_idle_lines: how many lines a loop or subroutine may do without any motion before
             the program counts as one that never ends.
+        unreferenced: letters of axes of which nobody knows the place: none of them is moved to a
+            place of the machine (G28, G30, G53).
         ignored_m_codes: which of M100 to M199 are passed over; the others are refused.
     """
 
@@ -72,4 +74,5 @@ class Setup:
     folders: tuple[Path, ...] = ()
     file_lines: FileLines = lines_on_disk
     max_idle_lines: int = 300_000
+    unreferenced: str = ""
     ignored_m_codes: frozenset[int] = frozenset()

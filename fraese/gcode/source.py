@@ -14,12 +14,14 @@ class Source:
     """An iterator of lines that can go back to held places.
 
     Attributes:
+        first_line: its number.
         is_framed: it began with a percent sign, so that the next one is its end.
     """
 
     def __init__(self, lines: Iterable[str], file: str, first_line: int = 1) -> None:
         self.file = file
         self.is_framed = False
+        self.first_line = first_line
         # number of the line that was returned last
         self.line = first_line - 1
         self._lines: Iterator[str] = iter(lines)

@@ -111,6 +111,14 @@ class Library:
             self._numbered[name] = sub
         return self._numbered[name]
 
+    def holds(self, line: int) -> bool:
+        """Whether this line of the program is in a subroutine that was defined so far."""
+        return any(
+            sub.first_line - 1 <= line < sub.first_line + len(sub.lines)
+            for sub in self._subs.values()
+            if sub.file == self._program.file
+        )
+
     def _load(self, name: str) -> bool:
         if _FILE_NAME.fullmatch(name) is None:
             return False

@@ -8,14 +8,13 @@ Rule 4: a line that is refused does not hide those behind it; nothing is planned
 """
 
 import math
-import time
-from collections.abc import Callable, Generator, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from operator import sub
 from typing import TYPE_CHECKING, Final
 
 from fraese.blocks import Block
-from fraese.control.softlimits import why_not
+from fraese.control.softlimits import why_not, within_travel
 from fraese.errors import LimitError, ProgramError, placed
 from fraese.gcode import canon
 from fraese.gcode.extents import arc_extent
@@ -23,9 +22,12 @@ from fraese.machine import Millimetres
 from fraese.motor.seams import Report
 from fraese.phrases import phrase
 from fraese.planner.ramps import SLOWEST_HZ
+from fraese.program.box import Box
 from fraese.program.context import ProgramContext
+from fraese.program.sentences import behind_probe
 from fraese.program.source import ProgramSource
 from fraese.program.taken import Taken
+from fraese.program.telling import Tell, Teller
 from fraese.program.timetable import Timetable, TimetableMaker
 from fraese.program.translate import Moves, Translation
 from fraese.program.wants import WANTING, Wants
@@ -38,10 +40,6 @@ if TYPE_CHECKING:
 _MOST_WARNINGS: Final = 20
 #: With more refused lines the rest is not worth reading.
 _MOST_ERRORS: Final = 50
-#: Between two words about how far it is.
-_TELL_S: Final = 0.1
-#: So many moves between two looks at the clock.
-_LOOKS: Final = 200
 #: What has a feed of its own.
 _FED: Final = (canon.Feed, canon.Arc)
 #: Who goes further out, in travels of an axis, means no place: planning it would take for ever.
@@ -57,22 +55,6 @@ class Complaint:
 
 
 @dataclass(frozen=True, slots=True)
-class Stage:
-    """How far a look-through is.
-
-    Attributes:
-        lines: read so far.
-        outline: of what was read; None: no newer one than before.
-    """
-
-    lines: int
-    outline: "Outline | None" = None
-
-
-Tell = Callable[[Stage], object]
-
-
-@dataclass(frozen=True, slots=True)
 class Facts:
     """What is known of a program before it runs.
 
@@ -81,6 +63,8 @@ class Facts:
         outside: where it leaves the travel.
         low_mm: corners of the bounding box of all moves, machine coordinates; None: no moves.
         high_mm: likewise.
+        cut_low_mm: corners of the box of what is cut: feeds and arcs; None: nothing is.
+        cut_high_mm: likewise.
         duration_s: planned time, pauses and operators left out; 0 if it was not planned.
         length_mm: way of the tool.
         lines: lines read.
@@ -101,6 +85,8 @@ class Facts:
     blocks: int
     notes: tuple[Complaint, ...] = ()
     wants: Wants = field(default_factory=Wants)
+    cut_low_mm: Millimetres | None = None
+    cut_high_mm: Millimetres | None = None
     outline: "Outline | None" = field(default=None, compare=False)
     timetable: Timetable | None = field(default=None, compare=False)
 
@@ -111,8 +97,8 @@ class Facts:
 
     @property
     def ok(self) -> bool:
-        """It can be run as far as the language goes."""
-        return not self.errors
+        """It would be run: nothing is refused, and nothing leaves the travel."""
+        return not (self.errors or self.outside)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -152,6 +138,9 @@ class Survey:
         )
         self.low = [math.inf] * len(self._at)
         self.high = [-math.inf] * len(self._at)
+        self.cut = Box(len(self._at))
+        # Axes along which something is probed: nobody knows where the program is behind it.
+        self._unknown: frozenset[int] = frozenset()
 
     def watch(self, moves: Moves) -> Moves:
         """Pass everything on, both ways."""
@@ -167,12 +156,15 @@ class Survey:
             if kind is not canon.Breath:
                 self.moves += 1
             if kind in kinds:
-                self._take(move)
+                self._take(self._sought(move) if isinstance(move, canon.Probe) else move)
             if isinstance(move, canon.Message) and move.kind == "note":
                 self.notes.append(Complaint(*self.source.complaint(move.line, move.text)))
             if kind in WANTING:
                 self.wants = self.wants.taking(move)
+            before = self._at
             facts = yield move
+            if isinstance(move, canon.Probe):
+                self._probed(move, before, facts)
 
     def guard(self, moves: Moves, file: str) -> Moves:
         """The same for a run: what a look through could not know (a probe) is refused here.
@@ -207,8 +199,10 @@ class Survey:
             self.drawing.take(move, self.moves)  # type: ignore[arg-type]
         self._at = move.to  # type: ignore[union-attr]
         self.length_mm += length_mm
-        if isinstance(move, _FED) and move.feed_mm_min < self._slow_mm_min:
-            self._check_feed(move, tuple(map(sub, move.to, before)), length_mm)
+        if isinstance(move, _FED):
+            self.cut.take(before, low, high, self._at)
+            if move.feed_mm_min < self._slow_mm_min:
+                self._check_feed(move, tuple(map(sub, move.to, before)), length_mm)
         for i, before_mm in enumerate(before):
             if low[i] < self.low[i]:
                 self.low[i] = low[i]
@@ -219,6 +213,23 @@ class Survey:
                 self.high[i] = high[i]
                 if high[i] > before_mm:
                     self._check(i, before_mm, high[i], move.line)
+
+    def _sought(self, move: canon.Probe) -> canon.Probe:
+        """A probe as far as the travel goes: the end switches are no probe."""
+        context = self.context
+        to = within_travel(context.machine, context.referenced, self._at, move.to)
+        return move if to == self._at else replace(move, to=to)
+
+    def _probed(self, move: canon.Probe, before: Point, facts: canon.Facts | None) -> None:
+        """What is known behind a probe: where it stands, or nothing of the axes that it moved."""
+        if facts is None:
+            moved = {n for n, (a, b) in enumerate(zip(before, move.to, strict=True)) if a != b}
+            if not moved <= self._unknown:
+                self._unknown |= moved
+                told = behind_probe(self.context.machine.names[n] for n in sorted(self._unknown))
+                self.notes.append(Complaint(*self.source.complaint(move.line, told)))
+        else:
+            self._at = facts.position_mm
 
     def _check_feed(self, move: canon.Feed | canon.Arc, way: Sequence[float], mm: float) -> None:
         """A feed below the slowest step is driven faster than it says: the first one is told."""
@@ -241,6 +252,8 @@ class Survey:
     def _check(self, index: int, from_mm: float, to_mm: float, line: int) -> None:
         """A new extreme: is it still inside?"""
         context = self.context
+        if index in self._unknown:
+            return
         at_mm = context.start_mm[index]
         span_mm = max(self.high[index], at_mm) - min(self.low[index], at_mm)
         axis, referenced = context.machine.axes[index], context.referenced[index]
@@ -251,42 +264,6 @@ class Survey:
         said = why_not(axis, referenced, from_mm, to_mm, span_mm, self.source.frame)
         if said:
             self.outside.append(Complaint(*self.source.complaint(line, said)))
-
-
-class _Teller:
-    """Says now and then how far it is: how many lines often, the outline ever more rarely."""
-
-    def __init__(self, survey: Survey, tell: Tell | None) -> None:
-        self._survey = survey
-        self._tell = tell
-        self._told_s = self._began_s = self._drawn_s = time.monotonic()
-
-    def passing(self, moves: Moves) -> Moves:
-        """Pass everything on, both ways."""
-        facts: canon.Facts | None = None
-        count = 0
-        while True:
-            try:
-                move = moves.send(facts)
-            except StopIteration:
-                return
-            count += 1
-            if not count % _LOOKS:
-                self._look()
-            facts = yield move
-
-    def _look(self) -> None:
-        now_s, survey = time.monotonic(), self._survey
-        if self._tell is None or now_s - self._told_s < _TELL_S:
-            return
-        self._told_s = now_s
-        outline = None
-        if survey.drawing is not None and now_s - self._began_s > 2 * (
-            self._drawn_s - self._began_s
-        ):
-            self._drawn_s = now_s
-            outline = survey.drawing.outline()
-        self._tell(Stage(survey.source.lines_read, outline))
 
 
 def check_program(
@@ -314,7 +291,7 @@ def check_program(
     try:
         moves = survey.watch(source.moves(errors.take))
         if tell is not None:
-            moves = _Teller(survey, tell).passing(moves)
+            moves = Teller(survey, tell).passing(moves)
         if plan:
             for block in _planned(Translation(context, None), moves):
                 if survey.is_lost or errors.found:
@@ -338,6 +315,8 @@ def check_program(
         blocks=blocks,
         notes=tuple(survey.notes),
         wants=survey.wants,
+        cut_low_mm=survey.cut.low_mm,
+        cut_high_mm=survey.cut.high_mm,
         outline=drawing.outline() if drawing is not None else None,
         timetable=timetable.timetable() if whole else None,
     )

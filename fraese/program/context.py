@@ -1,8 +1,8 @@
 """What a program finds when it starts: plain facts that can be sent to another process."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 from fraese.config import Config
 from fraese.control.controller import Controller
@@ -28,6 +28,14 @@ class Height(NamedTuple):
         return Height(self.axis, max(self.mm, mm))
 
 
+def tool_table(config: Config) -> dict[int, ToolData]:
+    """The tools of the configuration, by number."""
+    return {
+        int(number): ToolData(tool.length_mm, tool.diameter_mm)
+        for number, tool in config.tools.items()
+    }
+
+
 @dataclass(frozen=True, slots=True)
 class ProgramContext:
     """The machine as a program finds it.
@@ -40,6 +48,7 @@ class ProgramContext:
         referenced: per axis; only then the soft limits count.
         parameters: persistent parameters of the language.
         block_delete: lines that begin with a slash are left out.
+        left: what is kept of a program that was cut short.
     """
 
     config: Config
@@ -49,6 +58,7 @@ class ProgramContext:
     referenced: tuple[bool, ...]
     parameters: Mapping[int, float]
     block_delete: bool = False
+    left: Mapping[str, Any] | None = field(default=None, compare=False)
 
     @classmethod
     def of(cls, controller: Controller) -> "ProgramContext":
@@ -62,6 +72,7 @@ class ProgramContext:
             referenced=position.referenced,
             parameters=position.offsets.parameters,
             block_delete=controller.handling.block_delete,
+            left=controller.cut_short(),
         )
 
     @property
@@ -78,18 +89,17 @@ class ProgramContext:
     def setup(self, taken: Taken) -> Setup:
         """What the interpreter is told."""
         axes = self.machine.axes
-        tools = {
-            int(number): ToolData(tool.length_mm, tool.diameter_mm)
-            for number, tool in self.config.tools.items()
-        }
         return Setup(
             axes="".join(axis.name for axis in axes),
             rotary="".join(axis.name for axis in axes if axis.kind == "rotary"),
             position_mm=self.start_mm,
             parameters=dict(self.parameters),
-            tools=tools or None,
+            tools=tool_table(self.config) or None,
             tool=int(self.parameters.get(TOOL_NUMBER, 0.0)),
             block_delete=self.block_delete,
+            unreferenced="".join(
+                axis.name for axis, known in zip(axes, self.referenced, strict=True) if not known
+            ),
             file=taken.main.file,
             folders=(taken.path.parent, *self.config.run.folders),
             ignored_m_codes=frozenset(self.config.run.ignored_m_codes),

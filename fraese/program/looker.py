@@ -20,10 +20,11 @@ from typing import IO, Any, Final
 
 from fraese.errors import Cancelled, ProgramError
 from fraese.phrases import phrase
-from fraese.program.check import Facts, Stage, Tell
+from fraese.program.check import Facts
 from fraese.program.content import Content, Stamp, taken_from
 from fraese.program.context import ProgramContext
 from fraese.program.taken import Taken
+from fraese.program.telling import Stage, Tell
 from fraese.spawn import command, environment
 
 _MODULE: Final = "fraese.program.lookthrough"

@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import BinaryIO
 
 from fraese.phrases import phrase
-from fraese.program.check import Facts, Stage, Tell, check_program
+from fraese.program.check import Facts, check_program
 from fraese.program.context import ProgramContext
 from fraese.program.looker import receive_file, send_file
 from fraese.program.taken import Taken
+from fraese.program.telling import Stage, Tell
 
 
 def main(most_bytes: int) -> None:

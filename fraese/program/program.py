@@ -15,7 +15,7 @@ from fraese.gcode.colours import Part, parts_of
 from fraese.log import logged
 from fraese.machine import Millimetres
 from fraese.phrases import joined, phrase
-from fraese.program.check import Facts, Stage, Survey, check_program
+from fraese.program.check import Facts, Survey, check_program
 from fraese.program.context import ProgramContext
 from fraese.program.interrupted import Interrupted, JobNote
 from fraese.program.kept import KeptPrograms
@@ -24,6 +24,7 @@ from fraese.program.offsethistory import OffsetHistory
 from fraese.program.runfromline import Beginning, Place
 from fraese.program.source import ProgramSource
 from fraese.program.taken import Taken, take_program
+from fraese.program.telling import Stage
 from fraese.program.translate import Translation
 from fraese.program.way import way_of
 
@@ -51,6 +52,7 @@ class Program:
         name: for people.
         facts: what the last look-through found, also of a program that was refused.
         stage: how far one is that goes on; None: none does.
+        told: is told so, too, in the thread that looks.
     """
 
     def __init__(
@@ -71,6 +73,7 @@ class Program:
         self._looked: tuple[ProgramContext, Facts] | None = None
         self.facts: Facts | None = None
         self.stage: Stage | None = None
+        self.told: Callable[[Stage], object] = lambda stage: None
 
     @property
     def content_hash(self) -> str:
@@ -143,6 +146,7 @@ class Program:
         if stage.outline is None and self.stage is not None:
             stage = replace(stage, outline=self.stage.outline)
         self.stage = stage
+        self.told(stage)
 
     def check(self, controller: Controller, *, plan: bool = True) -> Facts:
         """Look it through as this machine would run it now.
@@ -191,13 +195,12 @@ class Program:
         if facts is None and self._looked is not None:
             facts = self._looked[1]
         context = ProgramContext.of(controller)
-        _require_reference(context)
+        require_reference(context)
         controller.check_moves([])
         begun = self.begun(context, from_line, past=past, back=back)
         source, translation = begun.source, Translation(context, controller)
         moves = begun.moves(translation.numbers)
-        if past is not None:
-            translation.answers |= past.facts()
+        translation.answers |= begun.answers
         history = OffsetHistory(controller, source, translation)
         told = self.news()
         # Who goes on with it has read that before.
@@ -245,20 +248,23 @@ class Program:
             controller.say(news + _AS_OPENED)
 
     def drive_frame(self, controller: Controller) -> None:
-        """Drive round the bounding box at the safe height; the controller's ``run`` does it.
+        """Drive round what is cut, at the safe height; the controller's ``run`` does it.
+
+        Of a program that cuts nothing it is the box of all its moves.
 
         Raises:
             ProgramError: if the program is refused, or moves nothing.
             LimitError: if it leaves the travel.
             StateError: if the machine is not ready.
         """
-        _require_reference(ProgramContext.of(controller))
+        require_reference(ProgramContext.of(controller))
         known = self.question(controller) is None and self._looked is not None
         facts = self._looked[1] if known and self._looked else self.check(controller, plan=False)
         if facts.low_mm is None or facts.high_mm is None:
             raise ProgramError(phrase("nothing moves in this program."), file=str(self.path))
         context = ProgramContext.of(controller)
-        points = _frame_of(context, facts.low_mm, facts.high_mm)
+        low_mm, high_mm = facts.cut_low_mm or facts.low_mm, facts.cut_high_mm or facts.high_mm
+        points = _frame_of(context, low_mm, high_mm)
         if not points:
             raise ProgramError(
                 phrase("there is no frame: no axis X or Y moves."), file=str(self.path)
@@ -278,12 +284,26 @@ class Program:
         Raises:
             StateError: if it is not the machine on which it was interrupted.
         """
+        if past is None and from_line <= 1:
+            return Beginning(ProgramSource(self.taken, now), now, now, None)
         if past is None:
-            place = Place(from_line) if from_line > 1 else None
-            return Beginning(ProgramSource(self.taken, now), now, now, place)
-        past.require_same_machine(now)
-        found, place = past.context(now), Place(past.line, max(1, past.move - back))
+            place, past = Place(from_line), self._run_before(now)
+            if past is None:
+                return Beginning(ProgramSource(self.taken, now), now, now, place)
+        else:
+            past.require_same_machine(now)
+            place = Place(past.line, max(1, past.move - back))
+        found = past.context(now)
         return Beginning(ProgramSource(self.taken, found), found, now, place, past.facts())
+
+    def _run_before(self, now: ProgramContext) -> Interrupted | None:
+        """The run of this program that was cut short, where its places are still those of now."""
+        try:
+            past = Interrupted.of(now.left)
+            past.require_same_machine(now)
+        except (StateError, ProgramError):
+            return None
+        return past if past.content_hash == self.content_hash else None
 
     def way_from(self, controller: Controller, from_line: int) -> list[str]:
         """What a start in the middle would do; as ``way_lines``."""
@@ -326,7 +346,12 @@ def _frame_of(
     return points
 
 
-def _require_reference(context: ProgramContext) -> None:
+def require_reference(context: ProgramContext) -> None:
+    """See that a program may run as the machine is referenced.
+
+    Raises:
+        StateError: it may not.
+    """
     if not all(context.referenced) and context.config.run.unreferenced == "forbid":
         raise StateError(
             phrase(

@@ -2,8 +2,14 @@
 
 before the place    read; of what it commands the last word of each kind is repeated
 the way there       up to the safe height | over to where the program would be | outputs on, with
-                    the time that they need | down with its feed | a laser on
+                    the time that they need | down with its feed | a laser on, M49
 from there on       the program
+
+Rule 1: a line of the program is come to when it is carried out, or what it calls: the interpreter
+        knows call level, file and repeat count.
+Rule 2: what depends on where the machine stood or on what a probe found (G92, G10 L20, G28.1, G91
+        from the start) is never made out anew from another place. It is taken from the run of this
+        program that was cut short, or refused with its line.
 """
 
 from collections.abc import Generator, Mapping
@@ -16,12 +22,12 @@ from fraese.phrases import phrase
 from fraese.program.context import ProgramContext
 from fraese.program.source import ProgramSource
 from fraese.program.translate import Moves, Numbers
-from fraese.workframe import Point
+from fraese.workframe import TOOL_NUMBER, Point
 
 #: After so many moves that are only read, the consumer gets a turn.
 _MOVES_A_BREATH: Final = 500
 _Way = Generator[canon.Move, canon.Facts | None, None]
-_REPEATED = (canon.Spindle, canon.Coolant, canon.PathControl, canon.Tool)
+_REPEATED = (canon.Spindle, canon.Coolant, canon.PathControl, canon.Tool, canon.Overrides)
 _MOTIONS = (canon.Rapid, canon.Feed, canon.Arc, canon.Probe)
 
 
@@ -30,16 +36,16 @@ class Place:
     """Where a program is begun.
 
     Attributes:
-        line: at the first move of this line or a later one.
+        line: at the first move that belongs to this line or a later one.
         move: at the move of this number, counted from 1; 0: the line counts.
     """
 
     line: int
     move: int = 0
 
-    def is_reached(self, move: canon.Move, number: int) -> bool:
-        """Whether this move is to be made."""
-        return number >= self.move if self.move else move.line >= self.line
+    def is_reached(self, move: canon.Move, number: int, source: ProgramSource) -> bool:
+        """Whether this move, just read, is to be made."""
+        return number >= self.move if self.move else source.has_come_to(self.line, move)
 
 
 @dataclass(frozen=True)
@@ -75,6 +81,7 @@ class Beginning:
     def _from(self, place: Place, moves: Moves, numbers: Numbers) -> Moves:
         """What lies before is read for what it leaves in force."""
         kept: dict[type, canon.Move] = {}
+        replay = self.source.only_read(place.line) if self.found is self.now else None
         # Gone on with, it begins where it stood then; else nothing says where it would be.
         at = None if self.found is self.now else self.found.start_mm
         facts, number = None, 0
@@ -91,24 +98,30 @@ class Beginning:
                 yield canon.Breath(move.line)
             if isinstance(move, canon.End):
                 raise _nothing_there(place, move.line)
-            if place.is_reached(move, number):
+            if place.is_reached(move, number, self.source):
                 break
             numbers.pass_by()
             facts = self.answers.get(number)
+            if isinstance(move, canon.Probe) and facts is None:
+                raise _nothing_found(self.source, move)
             if isinstance(move, _MOTIONS):
                 at = facts.position_mm if facts else move.to
             elif isinstance(move, _REPEATED):
                 kept[type(move)] = move
                 at = facts.position_mm if facts else at
+        if replay is not None:
+            replay.require_place()
         numbers.leave()
         yield canon.Offsets(move.line)
         yield from self._way_to(at, kept, move.line)
+        yield from _repeated(kept, canon.Overrides)
         numbers.come_back()
         facts = yield move
         yield from _rest(moves, facts)
 
     def _way_to(self, at: Point | None, kept: dict[type, canon.Move], line: int) -> _Way:
         """From wherever the machine stands to where the program would be, with its outputs on."""
+        self._drop_what_is_in(kept)
         yield from _repeated(kept, canon.Tool, canon.PathControl)
         over, down = self._legs(at, line)
         yield from over
@@ -120,6 +133,12 @@ class Beginning:
         else:
             yield from _repeated(kept, canon.Spindle, canon.Coolant)
             yield from down
+
+    def _drop_what_is_in(self, kept: dict[type, canon.Move]) -> None:
+        """A tool that is in the spindle is not asked for again."""
+        tool = kept.get(canon.Tool)
+        if isinstance(tool, canon.Tool) and tool.number == self.now.parameters.get(TOOL_NUMBER):
+            del kept[canon.Tool]
 
     def _legs(self, at: Point | None, line: int) -> tuple[list[canon.Move], list[canon.Move]]:
         """The way above the work, and the way down."""
@@ -143,6 +162,15 @@ def _nothing_there(place: Place, end_line: int = 0) -> ProgramError:
         phrase("there is nothing to run from line {line} on{ends}.", line=place.line, ends=ends),
         place.line,
     )
+
+
+def _nothing_found(source: ProgramSource, probe: canon.Probe) -> ProgramError:
+    said = phrase(
+        "what the probe found is not known, and it is not probed again from another place: begin"
+        " before it, or go on with the run that was cut short"
+    )
+    line, message = source.complaint(probe.line, said)
+    return ProgramError(message, line)
 
 
 def _rest(moves: Moves, facts: canon.Facts | None) -> Moves:

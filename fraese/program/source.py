@@ -4,9 +4,11 @@ from collections.abc import Iterator
 from contextlib import closing
 
 from fraese.gcode.axes import Axes
+from fraese.gcode.canon import Move
 from fraese.gcode.coordlist import read_points
 from fraese.gcode.interpreter import Interpreter, Refused
 from fraese.gcode.modal import Modal
+from fraese.gcode.replay import Replay
 from fraese.program.context import ProgramContext
 from fraese.program.taken import Taken
 from fraese.program.translate import Moves
@@ -57,6 +59,16 @@ class ProgramSource:
                 for point in points:
                     yield point
 
+    def only_read(self, line: int) -> Replay:
+        """What comes before this line is read, and not carried out; before the first move."""
+        return self._interpreter.only_read(line)
+
+    def has_come_to(self, line: int, move: Move) -> bool:
+        """Whether a move just read belongs to this line of the program, or to one behind it."""
+        if self._taken.kind != "gcode":
+            return move.line >= line
+        return self._interpreter.has_come_to(line, move.line)
+
     def parameters(self) -> dict[int, float]:
         """What the program left of the persistent parameters."""
         return self._interpreter.parameters.persistent()
@@ -69,6 +81,11 @@ class ProgramSource:
     def complaint(self, line: int, message: str) -> tuple[int, str]:
         """Line and message of what is wrong with a move just read, as seen from the program."""
         return self._interpreter.refusal(message, line).in_program(self._setup.file)
+
+    @property
+    def called_in(self) -> int:
+        """The program's line that called it; 0: it was not called."""
+        return self._interpreter.called_in
 
     @property
     def text(self) -> str:

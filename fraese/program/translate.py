@@ -16,12 +16,20 @@ from fraese import alarms
 from fraese.blocks import Block, WatchAction
 from fraese.control.controller import Controller
 from fraese.control.jobs import MOVE_BITS, STANDSTILL, TURN, Ask, Demand, Job, move_of
+from fraese.control.softlimits import within_travel
 from fraese.errors import ProbeError
 from fraese.gcode import canon
 from fraese.motor.seams import Ended, Report
-from fraese.phrases import joined, phrase
+from fraese.phrases import phrase
 from fraese.planner.planner import Planner
 from fraese.program.context import ProgramContext
+from fraese.program.sentences import (
+    by_hand,
+    coolant_in_words,
+    spindle_in_words,
+    stop_question,
+    tool_question,
+)
 from fraese.program.visit import Visit
 from fraese.workframe import Point
 
@@ -32,8 +40,8 @@ Part = Generator[Demand, Report, canon.Facts | None]
 _LOOKED_BLOCK_S: Final = 1.0
 #: And so much of it is planned in one pass: nothing waits for the first of it.
 _LOOKED_BATCH_S: Final = 0.5
-_DIRECTIONS: Final = {1: phrase("clockwise"), -1: phrase("counter-clockwise")}
-_COOLANTS: Final = {"mist": phrase("mist"), "flood": phrase("flood")}
+#: Along these a beam burns.
+_CUTTING: Final = frozenset({canon.Feed, canon.Arc})
 
 
 class Numbers:
@@ -92,6 +100,11 @@ class Translation:
         # Line of the last motion; 0: none yet.
         self._line = 0
         self._has_turned = False
+        # A relay as it was switched last; None: not yet.
+        self._spins: bool | None = None
+        # The beam as the program has it, and as the planner was told.
+        self._beam = self._shines = False
+        self._laser = context.config.outputs.mask("laser")
         self._probed_way: tuple[float, ...] = ()
         self.numbers = Numbers()
         self.answers: dict[int, canon.Facts] = {}
@@ -111,7 +124,7 @@ class Translation:
             ProgramError: a line is refused, from the interpreter.
             ProbeError: a probe touches never, or already.
         """
-        line, rows, numbers = self.planner.line, _ROWS, self.numbers
+        line, rows, numbers, laser = self.planner.line, _ROWS, self.numbers, self._laser
         feed, rapid = canon.Feed, canon.Rapid
         facts: canon.Facts | None = None
         self._follow_override()
@@ -125,6 +138,8 @@ class Translation:
             kind = type(move)
             if move.line != self._line and kind in canon.MOTIONS:
                 yield from self._wait_for_line(move)
+            if laser and kind in canon.MOTIONS:
+                yield from self._shine(self._beam and kind in _CUTTING)
             if kind is not feed and kind is not rapid:
                 facts = yield from rows[kind](self, move)
                 if facts is not None:
@@ -192,30 +207,30 @@ class Translation:
     # --- what hangs on outputs -----------------------------------------------------------------
 
     def _spindle(self, move: canon.Spindle) -> Part:
-        on = bool(move.direction)
-        laser = self._context.config.outputs.mask("laser")
-        if laser:
-            # Without a stop: it changes with the first tick of the next move.
-            self.planner.outputs(laser, laser if on else 0)
+        on = move.is_on
+        if self._laser:
+            self._beam = on
+            return (yield from self._shine(self._shines and on))
+        if self._context.config.outputs.mask("spindle"):
+            if on is not self._spins:
+                self._spins = on
+                yield from self._switch("spindle", on)
+                if on:
+                    spin_up_s = self._context.config.run.spin_up_s
+                    yield from _each(self.planner.dwell(spin_up_s, self._tag(move)))
             return None
-        if (yield from self._switch("spindle", on)):
-            if on:
-                spin_up_s = self._context.config.run.spin_up_s
-                yield from _each(self.planner.dwell(spin_up_s, self._tag(move)))
-            return None
-        text = (
-            phrase(
-                "Spindle on, {directions}, {rev_min:g} rev/min",
-                directions=_DIRECTIONS[move.direction],
-                rev_min=move.rev_min,
-            )
-            if on
-            else phrase("Spindle off")
-        )
+        text = spindle_in_words(move)
         if self._is_to_be_confirmed(on):
             return (yield from self._ask(phrase("{text}: confirm.", text=text), move))
         else:
-            self._say(phrase("Line {line}: {text} (switched by hand).", line=move.line, text=text))
+            self._say(by_hand(move, text))
+        return None
+
+    def _shine(self, on: bool) -> Part:
+        """The beam, without a stop: it changes with the first tick of the next move."""
+        if on is not self._shines:
+            self._shines = on
+            yield from _each(self.planner.outputs(self._laser, self._laser if on else 0))
         return None
 
     def _is_to_be_confirmed(self, on: bool) -> bool:
@@ -226,15 +241,7 @@ class Translation:
 
     def _coolant(self, move: canon.Coolant) -> Part:
         if not (yield from self._switch("coolant", move.mist or move.flood)):
-            kinds = [word for name, word in _COOLANTS.items() if getattr(move, name)]
-            text = (
-                phrase("{kinds} on", kinds=joined(phrase(" and "), kinds))
-                if kinds
-                else phrase("off")
-            )
-            self._say(
-                phrase("Line {line}: coolant {text} (switched by hand).", line=move.line, text=text)
-            )
+            self._say(by_hand(move, coolant_in_words(move)))
         return None
 
     def _switch(self, name: str, on: bool) -> Generator[Block, Report, bool]:
@@ -252,17 +259,10 @@ class Translation:
     def _pause(self, move: canon.Pause) -> Part:
         if move.optional and not (self._handling and self._handling.optional_stop):
             return None
-        return (
-            yield from self._ask(
-                phrase("Program stop in line {line}: go on?", line=move.line), move
-            )
-        )
+        return (yield from self._ask(stop_question(move), move))
 
     def _tool(self, move: canon.Tool) -> Part:
-        question = phrase(
-            "Tool change in line {line}: put in tool {number}.", line=move.line, number=move.number
-        )
-        return (yield from self._ask(question, move))
+        return (yield from self._ask(tool_question(move), move))
 
     def _ask(self, question: str, move: canon.Move) -> Part:
         yield from _each(self.planner.drain())
@@ -272,15 +272,16 @@ class Translation:
         yield STANDSTILL
         visit = Visit(controller, self._context)
         self.visited, self.visited_at = (lambda: visit.changed), move_of(self.numbers.high)
-        yield Ask(question)
+        tag = self._tag(move)
+        yield Ask(question, tag=tag)
         while (back := visit.show()) is not None:
-            yield Ask(back.question)
+            yield Ask(back.question, tag=tag)
         if visit.is_nothing:
             return None
         at = controller.position
         self.planner.reset(at.position_steps, at.slack_steps)
         for point, feed_mm_min in visit.way().legs:
-            yield from _each(self.planner.line(point, feed_mm_min, self._tag(move)))
+            yield from _each(self.planner.line(point, feed_mm_min, tag))
         yield from _each(self.planner.drain())
         yield STANDSTILL
         return visit.facts()
@@ -308,7 +309,8 @@ class Translation:
             )
         watch = switches.probe_watch(closed=move.until_closed, action=WatchAction.STOP)
         tag = self._tag(move)
-        yield from _each(self.planner.watched(move.to, move.feed_mm_min, watch, tag))
+        to = within_travel(self._context.machine, where.referenced, from_mm, move.to)
+        yield from _each(self.planner.watched(to, move.feed_mm_min, watch, tag))
         report = yield STANDSTILL
         touched = report.ended is Ended.WATCH
         contact_mm = self._point(where.latched_steps(report)) if touched else None

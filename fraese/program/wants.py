@@ -34,7 +34,7 @@ class Wants:
             new = move.number not in self.tools
             tools = (*self.tools, move.number) if new else self.tools
             return replace(self, tools=tools, stops=self.stops + 1)
-        if isinstance(move, canon.Spindle) and move.direction:
+        if isinstance(move, canon.Spindle) and move.is_on:
             low, high = self.spindle_rev_min or (math.inf, 0.0)
             speeds = min(low, move.rev_min), max(high, move.rev_min)
             return replace(self, spindle_rev_min=speeds)

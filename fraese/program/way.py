@@ -42,6 +42,7 @@ class Way:
         legs: what is done on the way: tools, outputs, moves.
         height: at which it goes over, with its axis; empty: nothing lifts the tool.
         in_force: what is in force at the place.
+        called_in: the program's line that called it; 0: it was not called.
     """
 
     line: int
@@ -49,12 +50,23 @@ class Way:
     legs: tuple[Leg, ...]
     height: str
     in_force: str
+    called_in: int = 0
 
     def lines(self, name: str) -> list[str]:
         """All of it, for a program of this name."""
         legs = ["  " + joined(", ", filter(None, leg[:2])) for leg in self.legs]
+        head = (
+            phrase(
+                "{name} from line {line}, called in line {called_in}:",
+                name=name,
+                line=self.line,
+                called_in=self.called_in,
+            )
+            if self.called_in
+            else phrase("{name} from line {line}:", name=name, line=self.line)
+        )
         return [
-            phrase("{name} from line {line}:", name=name, line=self.line),
+            head,
             *legs,
             phrase("  then the program, with {in_force}", in_force=self.in_force),
         ]
@@ -93,7 +105,8 @@ def way_of(begun: Beginning, given_up: Callable[[], bool] = lambda: False) -> Wa
             legs += _run_up(begun, move)
         if is_over:
             break
-    return Way(line, source.text, tuple(legs), _height(begun), _in_force(source))
+    height, in_force = _height(begun), _in_force(source)
+    return Way(line, source.text, tuple(legs), height, in_force, source.called_in)
 
 
 def _leg(move: canon.Move, here: Millimetres, source: ProgramSource, machine: Machine) -> Leg:
@@ -114,11 +127,10 @@ def _leg(move: canon.Move, here: Millimetres, source: ProgramSource, machine: Ma
 def _switched(move: canon.Move) -> str:
     """What moves nothing."""
     if isinstance(move, canon.Spindle):
-        return phrase(
-            "spindle {word}, {rev_min:g} rev/min",
-            word=phrase("on") if move.direction else phrase("off"),
-            rev_min=move.rev_min,
-        )
+        word = phrase("on") if move.is_on else phrase("off")
+        if not move.has_speed:
+            return phrase("spindle {word}", word=word)
+        return phrase("spindle {word}, {rev_min:g} rev/min", word=word, rev_min=move.rev_min)
     if isinstance(move, canon.Coolant):
         return phrase(
             "coolant {word}", word=phrase("on") if move.mist or move.flood else phrase("off")
@@ -133,7 +145,7 @@ def _switched(move: canon.Move) -> str:
 def _run_up(begun: Beginning, move: canon.Spindle) -> list[Leg]:
     """How long it is waited for."""
     config = begun.now.config
-    waits = move.direction and config.outputs.mask("spindle") and not begun.now.has_laser
+    waits = move.is_on and config.outputs.mask("spindle") and not begun.now.has_laser
     spin_up_s = config.run.spin_up_s
     return (
         [Leg(phrase("wait {spin_up_s:g} s for it", spin_up_s=spin_up_s))]

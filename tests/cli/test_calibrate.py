@@ -46,7 +46,7 @@ def test_the_travel_is_written_on_demand_with_comments_kept(mill: Shop) -> None:
 
 
 def test_steps_per_mm_in_two_calls(mill: Shop) -> None:
-    result = mill.run("calibrate", "steps", "X", "10")
+    result = mill.run("calibrate", "steps", "X", "10", "--yes")
     assert "fraese calibrate steps X 10 --measured MM" in result.stderr
     values = found(mill, "steps", "X", "10", "--measured", "-24.99")
     assert values["found_steps_per_mm"] == pytest.approx(80.032, abs=1e-3)
@@ -62,7 +62,7 @@ def test_backlash_and_the_switch(mill: Shop) -> None:
     values = found(mill, "backlash", "X", "--times", "2")
     assert values["readings_mm"] == [0.08, 0.08]
     assert values["proposed"] == {"axes.x.backlash_mm": "0.08"}
-    assert "--read MM" in mill.run("calibrate", "backlash", "X", "--gauge").stderr
+    assert "--read MM" in mill.run("calibrate", "backlash", "X", "--gauge", "--yes").stderr
     assert found(mill, "backlash", "X", "--read", "0.05")["by"] == "gauge"
     result = mill.run("calibrate", "repeat", "X", "--times", "3", "--end", "max")
     assert "xmax closed 3 times within 0.0000 mm" in result.stderr

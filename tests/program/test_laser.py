@@ -164,3 +164,57 @@ def test_off_on_the_way_to_a_line_and_on_from_there(
     assert min(x for x, _, _ in on) >= 4
     assert {(y, z) for _, y, z in on} == {(3, -2)}
     assert max(x for x, _, _ in on) > 7
+
+
+def _burnt(
+    made: Bench, folder: Path, text: str
+) -> tuple[list[tuple[float, ...]], list[tuple[float, ...]]]:
+    """Places at which it burnt, and at which it did not."""
+    places: dict[bool, list[tuple[float, ...]]] = {True: [], False: []}
+
+    def look() -> None:
+        places[made.is_on()].append(made.plant.controller.state().position_mm)
+
+    made.plant.controller.set_show_pos(look)
+    status = run_program(made.plant, program(folder, text))
+    assert status is Status.OK, made.plant.controller.state().message
+    return places[True], places[False]
+
+
+@BENCHES
+def test_s0_is_off_and_so_is_a_rapid(
+    bench: Callable[[pytest.MonkeyPatch], Bench], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    text = (
+        "G21 G90\nM4 S0\nG0 X4\nG1 X8 S500 F600\nG0 X12\nG1 X16\nS0\nG1 X20\n"
+        "S500\nG1 X24\nM5\nG1 X28\nM2\n"
+    )
+    on, off = _burnt(bench(monkeypatch), tmp_path, text)
+    burnt = {int(x / 4) for x, _, _ in on if 1 < x % 4 < 3}
+    dark = {int(x / 4) for x, _, _ in off if 1 < x % 4 < 3}
+    assert burnt == {1, 3, 5}
+    assert dark >= {0, 2, 4, 6}
+
+
+def test_a_beam_without_any_s_word_is_on(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    on, _ = _burnt(_simulated(monkeypatch), tmp_path, "G21 G90\nM3\nG1 X9 F600\nM2\n")
+    assert max(x for x, _, _ in on) > 8
+
+
+def test_no_step_is_lost_where_a_beam_changes_among_merged_points(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    made = _simulated(monkeypatch)
+    lines = "".join(f"G1 X{n / 10} S{n % 2 * 9}\n" for n in range(1, 60))
+    _burnt(made, tmp_path, f"G21 G90 G64 P0.1 F900\nM3 S9\n{lines}M2\n")
+    assert made.plant.controller.state().position_mm[0] == 5.9
+
+
+def test_a_spindle_with_s0_is_off(tmp_path: Path) -> None:
+    made = assemble(configured(outputs={"spindle": {"pin": 14}}))
+    recorder = record(made)
+    bench = Bench(made, lambda: _last_control(recorder))
+    text = "G21 G90\nM3 S0\nG1 X10 F1000\nS900\nG1 X20\nS800\nG1 X30\nS0\nG1 X40\nM2\n"
+    on, off = _burnt(bench, tmp_path, text)
+    assert {round(x) // 10 for x, _, _ in on if 1 < x % 10 < 9} == {1, 2}
+    assert {round(x) // 10 for x, _, _ in off if 1 < x % 10 < 9} == {0, 3}

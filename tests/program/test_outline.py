@@ -7,9 +7,10 @@ import pytest
 
 from fraese.errors import LimitError, ProgramError
 from fraese.gcode import canon
-from fraese.program.check import Facts, Stage, check_program
+from fraese.program.check import Facts, check_program
 from fraese.program.context import ProgramContext
 from fraese.program.outline import OutlineMaker
+from fraese.program.telling import Stage
 from fraese.program.timetable import TimetableMaker
 from fraese.program.wants import Wants
 from tests.helpers import homed, program
@@ -112,7 +113,7 @@ def test_a_run_ends_at_the_first_line_that_is_wrong(tmp_path: Path) -> None:
 
 
 def test_it_tells_how_far_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fraese.program.check._TELL_S", 0.0)
+    monkeypatch.setattr("fraese.program.telling._TELL_S", 0.0)
     part = program(tmp_path, "G1 X1 F300\n" + "X2\nX1\n" * 1000 + "M2\n")
     told: list[Stage] = []
     check_program(part.taken, ProgramContext.of(homed().controller), tell=told.append)

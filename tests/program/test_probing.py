@@ -1,6 +1,7 @@
 """Probing cycles on the simulated mill, against solid things of known size on the shared input."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -9,7 +10,7 @@ from fraese.control.state import Status
 from fraese.errors import LimitError, ProgramError, StateError, UsageError
 from fraese.program.probing import CYCLES, cycles_for, probe
 from fraese.program.typed import run_text
-from tests.helpers import carriages, homed, mill
+from tests.helpers import carriages, homed, mill, program, run_program
 
 RADIUS = 1.5
 Solid = Callable[[float, float, float], bool]
@@ -129,6 +130,51 @@ def test_a_probe_that_never_touches_changes_no_offset() -> None:
     assert made.controller.state().offset_mm == before
 
 
+def test_a_probe_seeks_as_far_as_the_travel_goes_and_no_further() -> None:
+    made = homed()
+    standing_at(made, 20, 20, -2)
+    probe(made.controller, "edge X−", {"reach": 900.0})
+    assert made.controller.run() is Status.ERROR
+    assert "never touched" in made.controller.state().message
+    assert made.controller.state().position_mm[0] == pytest.approx(0, abs=0.01)
+
+
+PLATE = "G21 G90\nG38.2 Z-50 F100\nG10 L20 P1 Z0\nG0 Z5\nG1 X10 F300\nG1 Z-10 F100\nG0 Z5\nM2\n"
+
+
+def test_no_bound_is_known_behind_a_probe_until_it_has_touched(tmp_path: Path) -> None:
+    made = homed()
+    standing_at(made, 20, 20, -10)
+    made.controller.set_zero("xyz")
+    touching(made, lambda x, y, z: x < 25 and z <= -20)
+    part = program(tmp_path, PLATE)
+    facts = part.check(made.controller)
+    assert facts.ok
+    assert not facts.outside
+    assert [(note.line, "behind it Z is judged" in note.message) for note in facts.notes] == [
+        (2, True)
+    ]
+    assert run_program(made, part) is Status.OK, made.controller.state().message
+    assert made.controller.state().offset_mm[2] == pytest.approx(-20, abs=0.02)
+    assert made.controller.state().position_mm[2] == pytest.approx(-15, abs=0.02)
+
+
+def test_what_is_outside_where_the_probe_touched_is_refused_as_it_comes(tmp_path: Path) -> None:
+    made = homed()
+    standing_at(made, 20, 20, -10)
+    made.controller.set_zero("xyz")
+    touching(made, lambda x, y, z: x < 25 and z <= -50)
+    assert run_program(made, program(tmp_path, PLATE)) is Status.ERROR
+    assert "line 6: Z -60.010 mm is outside" in made.controller.state().message
+    assert made.controller.state().position_mm[2] == pytest.approx(-45, abs=0.02)
+
+
+def test_axes_that_no_probe_has_moved_are_looked_at_behind_it(tmp_path: Path) -> None:
+    made = homed()
+    with pytest.raises(LimitError, match=r"line 3: X 400\.000"):
+        program(tmp_path, "G21 G90\nG38.2 Z-50 F100\nG0 X400\nM2\n").check(made.controller)
+
+
 def test_what_a_cycle_is_told_is_looked_at() -> None:
     made = homed()
     for values, said in (({"weight": 3.0}, "knows no"), ({"reach": 0.0}, "above 0")):
@@ -136,8 +182,6 @@ def test_what_a_cycle_is_told_is_looked_at() -> None:
             probe(made.controller, "edge X+", values)
     with pytest.raises(UsageError, match="no cycle"):
         probe(made.controller, "edge Q", {})
-    with pytest.raises(LimitError):
-        probe(made.controller, "edge X−", {"reach": 900.0})
     assert cycles_for("xy") == tuple(
         name for name in CYCLES if name not in ("down on work or plate", "centre of a boss")
     )

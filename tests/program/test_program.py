@@ -665,6 +665,42 @@ def test_the_frame_goes_round_at_a_safe_height(tmp_path: Path) -> None:
     assert made.controller.state().position_mm == (20, 20, 0)
 
 
+def test_the_frame_leaves_out_where_nothing_is_cut(tmp_path: Path) -> None:
+    made = homed()
+    text = (
+        "G21 G90\nG53 G0 Z0\nG53 G0 X250 Y150\nT1 M6\nG0 X10 Y10\nG0 Z-2\nG1 Z-3 F200\n"
+        "G1 X40 F600\nG1 Y30\nG1 X10\nG1 Y10\nG0 Z-1\nG53 G0 Z0\nG28\nM2\n"
+    )
+    seen: set[tuple[float, ...]] = set()
+    made.controller.set_show_pos(lambda: seen.add(made.controller.state().position_mm))
+    program(tmp_path, text).drive_frame(made.controller)
+    assert made.controller.run() is Status.OK
+    assert max(x for x, _, _ in seen) == 40
+    assert max(y for _, y, _ in seen) == 30
+    assert {z for _, _, z in seen} == {0}
+    assert made.controller.state().position_mm == (10, 10, 0)
+
+
+@pytest.mark.parametrize("line", ["G28", "G91 G28 Z0", "G30 X0", "G53 G0 Z0"])
+def test_places_of_the_machine_are_refused_where_nobody_knows_them(
+    tmp_path: Path, line: str
+) -> None:
+    made = plant()
+    part = program(tmp_path, f"G21 G90\n{line}\nM2\n")
+    with pytest.raises(ProgramError, match=r"line 2: .* not referenced") as refused:
+        part.check(made.controller)
+    assert ("axes X Y Z are" in str(refused.value)) is (line == "G28")
+    assert program(tmp_path, f"G21 G90\n{line}\nM2\n").check(homed().controller).ok
+
+
+def test_of_an_axis_that_is_referenced_the_place_is_known(tmp_path: Path) -> None:
+    made = plant()
+    made.controller.home("z")
+    assert made.controller.run() is Status.OK
+    part = program(tmp_path, "G21 G90\nG53 G0 Z0\nG91 G28 Z0\nG28.1\nM2\n")
+    assert part.check(made.controller).ok
+
+
 def test_a_program_without_motion_has_no_frame(tmp_path: Path) -> None:
     with pytest.raises(ProgramError, match="nothing moves"):
         program(tmp_path, "M3\nM5\n").drive_frame(homed().controller)

@@ -212,7 +212,7 @@ def test_a_program_that_is_cut_short_afterwards_keeps_the_tool(
     assert controller.state().offset_mm[2] == pytest.approx(-15)
     left = controller.state().cut_short
     assert left is not None
-    assert left.line == (5 if answered else 2)
+    assert left.line == (5 if answered else 3)
     controller.acknowledge()
     Person(made)
     Resumption.of(controller, kept).start(controller)
@@ -233,3 +233,31 @@ def test_under_cutter_compensation_no_tool_can_be_touched_off(tmp_path: Path) ->
     assert run_program(made, program(tmp_path, text)) is Status.ERROR
     assert "cutter compensation" in controller.state().message
     assert lowest == []
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("M0", "Program stop in line 2: go on?"),
+        ("M0 (turn it over)", "Program stop in line 2 (turn it over): go on?"),
+        ("M0 ; turn it over", "Program stop in line 2 (turn it over): go on?"),
+        ("(MSG, turn it over) M0", "Program stop in line 2 (turn it over): go on?"),
+        ("M0 (PRINT,#5400)(DEBUG,x)", "Program stop in line 2: go on?"),
+        (f"M0 ({'word ' * 100})", f"Program stop in line 2 ({'word ' * 14}word …): go on?"),
+        ("T3 M6 (6 mm)(long)", "Tool change in line 2 (6 mm, long): put in tool 3."),
+    ],
+)
+def test_what_the_program_says_beside_a_question_is_asked(
+    tmp_path: Path, line: str, said: str
+) -> None:
+    made = homed()
+    asked: list[str] = []
+
+    def look() -> None:
+        if made.controller.question:
+            asked.append(made.controller.question)
+            made.controller.answer()
+
+    made.controller.set_break_key(look)
+    assert run_program(made, program(tmp_path, f"G21\n{line}\nM2\n")) is Status.OK
+    assert asked[0] == said

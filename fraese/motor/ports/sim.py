@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from fraese.motor.electronics import Electronics
+from fraese.motor.feeler import Feeler
 from fraese.motor.mill import Mill
 from fraese.motor.phases import Currents
 from fraese.motor.seams import Clock, End
@@ -65,6 +66,7 @@ class SimulatedMill:
         electronics: the card.
         clock: the same as the driver's, so that physics sees the time of every write.
         wiring: where the switch line is.
+        feeler: a probe, and what it can touch; None: there is nothing.
 
     Attributes:
         mill: what a person at the machine sees.
@@ -78,12 +80,14 @@ class SimulatedMill:
         electronics: Electronics,
         clock: Clock,
         wiring: Wiring = Wiring(),
+        feeler: Feeler | None = None,
     ) -> None:
         self.mill = mill
         self.electronics = electronics
         self.inputs = INPUTS_AT_REST
         self._clock = clock
         self._wiring = wiring
+        self._feeler = feeler
         self._contacts = mill.contacts
         # The electronics take the writes themselves: one call less a register access.
         self.write_data = electronics.data
@@ -94,7 +98,10 @@ class SimulatedMill:
         contacts = self._contacts
         closed = contacts.closed if contacts.still else contacts.read(self._clock.now_ns())
         mask, closed_value = self._wiring.mask, self._wiring.closed_value
-        return self.inputs & ~mask | (closed_value if closed else closed_value ^ mask)
+        reading = self.inputs & ~mask | (closed_value if closed else closed_value ^ mask)
+        if self._feeler is None:
+            return reading
+        return self._feeler.felt(reading, self.mill.carriages_steps())
 
     def close(self) -> None:
         """Nothing to give back."""
