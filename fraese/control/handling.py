@@ -9,6 +9,7 @@ slower. So the word follows what lies in its queue:
 
 Rule 1: set from any thread. A raised override is told to the driver at once, before blocks come
         that were planned with it; a lowered one at the next look at the queue, 20 ms later at most.
+        What is pushed into an empty queue is looked at before it begins.
 Rule 2: nothing that was planned with no more than is wanted is slowed down by a word for others.
 Rule 3: where nothing queued was planned with too much, the word is the higher of both.
 """
@@ -66,8 +67,8 @@ class Handling:
             LimitError: if it is outside ``OVERRIDES``.
         """
         _require("feed", factor, OVERRIDES)
-        self.feed = factor
-        self._changed()
+        before, self.feed = self.feed, factor
+        self._changed(raised=factor > before)
 
     @any_thread
     def set_rapid(self, factor: float) -> None:
@@ -77,8 +78,8 @@ class Handling:
             LimitError: if it is outside ``RAPID_OVERRIDES``.
         """
         _require("rapid", factor, RAPID_OVERRIDES)
-        self.rapid = factor
-        self._changed()
+        before, self.rapid = self.rapid, factor
+        self._changed(raised=factor > before)
 
     @any_thread
     def switch(self, name: str) -> None:
@@ -87,9 +88,9 @@ class Handling:
             raise ValueError(name)
         setattr(self, name, not getattr(self, name))
 
-    def _changed(self) -> None:
+    def _changed(self, *, raised: bool) -> None:
         self.may_be_over = True
-        if self._resting_q8 > self._word_q8:
+        if raised and self._resting_q8 > self._word_q8:
             self._say(self._resting_q8)
 
     @property
@@ -118,6 +119,13 @@ class Handling:
             self.may_be_over |= any(self._is_over(block) for block in queued)
         if word_q8 != self._word_q8:
             self._say(word_q8)
+
+    def expect(self, block: Block, *, is_first: bool) -> None:
+        """This block is pushed next, first or behind others; in the machine's thread."""
+        if self._is_over(block):
+            if is_first:
+                self.follow([block])
+            self.may_be_over = True
 
     def _is_over(self, block: Block) -> bool:
         return block.override_q8 > round((self.rapid if block.is_rapid else self.feed) * Q8)

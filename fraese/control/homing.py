@@ -13,7 +13,10 @@ Rule 2: every way is bounded; an end that is not found, and a switch that does n
 Rule 3: closed at the start it may be any switch, or two at once in a corner. The candidates are
         backed off one after the other, then in pairs, each way short; what did not help is undone.
 Rule 4: an axis without end switches does not move: where it stands becomes its zero.
-Rule 5: an axis is unreferenced from the start of its run until its zero is set.
+Rule 5: a lowered feed override acts on the ways, a raised one on none: behind a switch there is as
+        much room as the configured feed needs. None acts where the contact is measured, and off it
+        again: how well a switch repeats depends on the feed.
+Rule 6: an axis is unreferenced from the start of its run until its zero is set.
 """
 
 from collections.abc import Callable, Generator, Sequence
@@ -164,7 +167,7 @@ class Homing:
         yield Doing(phrase("{name}: back to machine zero", name=axis.name.upper()))
         motor = self._machine.index(axis.name)
         distance = -self._position.position_steps[motor]
-        yield from axis_line(self._position, motor, distance, None, None)
+        yield from axis_line(self._position, motor, distance, None, None, most=1.0)
         return (yield STANDSTILL)
 
     def _find(self, axis: Axis, sign: int) -> Generator[Demand, Report, int]:
@@ -257,7 +260,7 @@ class Homing:
         distance = target - self._position.position_steps[index]
         watch = self._switches.watch(closed=False, action=WatchAction.IGNORE)
         feed_mm_min = self._config.approach_mm_min
-        yield from axis_line(self._position, index, distance, feed_mm_min, watch)
+        yield from axis_line(self._position, index, distance, feed_mm_min, watch, most=1.0)
         report = yield STANDSTILL
         if report.switch_closed:
             raise HomingError(
@@ -332,7 +335,8 @@ class Homing:
         index = self._machine.index(axis.name)
         distance = axis.to_steps(distance_mm)
         watch = self._switches.watch(closed=closed, action=WatchAction.STOP)
-        yield from axis_line(self._position, index, distance, feed_mm_min, watch)
+        most = 0.0 if feed_mm_min == self._config.slow_mm_min else 1.0
+        yield from axis_line(self._position, index, distance, feed_mm_min, watch, most)
         return (yield STANDSTILL)
 
     def _name(self, axis: Axis, sign: int) -> str:

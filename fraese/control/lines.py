@@ -1,13 +1,14 @@
 """Straight lines by hand: what a jog, a move, a reference run and a lift are made of.
 
 Rule 1: every line goes from rest to rest. A program's lines go through the look-ahead instead.
-Rule 2: backlash is taken up first, in a block of its own; a watched line is one block, so that its
+Rule 2: what moves by hand obeys the feed override: also where it goes as fast as the axes can.
+Rule 3: backlash is taken up first, in a block of its own; a watched line is one block, so that its
         watch sees the contact wherever it comes.
 """
 
 from collections.abc import Iterator, Sequence
 
-from fraese.blocks import Block, Watch
+from fraese.blocks import OVERRIDES, Block, Watch
 from fraese.control.jobs import Job
 from fraese.control.position import Position
 from fraese.machine import Machine, Steps
@@ -20,6 +21,7 @@ def line_blocks(
     delta: Steps,
     feed_mm_min: float | None = None,
     watch: Watch | None = None,
+    most: float = 0.0,
 ) -> Iterator[Block]:
     """A straight line from here.
 
@@ -28,15 +30,16 @@ def line_blocks(
         delta: signed axis steps.
         feed_mm_min: along the line; None: as fast as the axes can.
         watch: condition while it plays; then only one axis may move.
+        most: the highest feed override that acts on it; 0: none does.
     """
     machine = position.machine
     turned = _taken_up(machine, position.slack_steps, delta)
     if watch is not None:
         whole = tuple(n + extra for n, extra in zip(delta, turned, strict=True))
-        yield from _made(plan_line(machine, whole, feed_mm_min, watch=watch))
+        yield from _made(plan_line(machine, whole, feed_mm_min, watch=watch, most=most))
         return
     yield from _made(plan_line(machine, turned))
-    yield from _made(plan_line(machine, delta, feed_mm_min))
+    yield from _made(plan_line(machine, delta, feed_mm_min, most=most))
 
 
 def slack_after(position: Position, delta: Steps) -> Steps:
@@ -50,19 +53,25 @@ def line(
     delta: Steps,
     feed_mm_min: float | None = None,
     watch: Watch | None = None,
+    most: float = 0.0,
 ) -> Job:
     """A straight line from here as a job; see ``line_blocks``."""
-    for block in line_blocks(position, delta, feed_mm_min, watch):
+    for block in line_blocks(position, delta, feed_mm_min, watch, most):
         yield block
 
 
 def axis_line(
-    position: Position, motor: int, steps: int, feed_mm_min: float | None, watch: Watch | None
+    position: Position,
+    motor: int,
+    steps: int,
+    feed_mm_min: float | None,
+    watch: Watch | None,
+    most: float = 0.0,
 ) -> Job:
     """The same of one axis."""
     delta = [0] * len(position.machine.axes)
     delta[motor] = steps
-    return line(position, tuple(delta), feed_mm_min, watch)
+    return line(position, tuple(delta), feed_mm_min, watch, most)
 
 
 def line_to(
@@ -73,7 +82,8 @@ def line_to(
 ) -> Job:
     """The same to a machine position, which is the aim from then on."""
     position.aim_steps = target
-    yield from line(position, _difference(target, position.position_steps), feed_mm_min, watch)
+    delta = _difference(target, position.position_steps)
+    yield from line(position, delta, feed_mm_min, watch, OVERRIDES[1])
 
 
 def curve(position: Position, targets: Sequence[Steps], feed_mm_min: float | None) -> Job:
@@ -86,7 +96,7 @@ def curve(position: Position, targets: Sequence[Steps], feed_mm_min: float | Non
         slack = _difference(slack, turned)
         for block in (
             plan_line(machine, turned, tag=number),
-            plan_line(machine, delta, feed_mm_min, tag=number),
+            plan_line(machine, delta, feed_mm_min, tag=number, most=OVERRIDES[1]),
         ):
             if block is not None:
                 yield block

@@ -162,6 +162,7 @@ class MotionQueue:
         end_steps = tuple(map(add, self._end_steps, block.steps))
         if not self.recorder.allows(end_steps, span):
             return None
+        self.handling.expect(block, is_first=not self._queue)
         if not self._driver.push(block):
             return None
         self._end_steps = end_steps
@@ -297,6 +298,15 @@ class MotionQueue:
     def asks(self, tag: int) -> None:
         """All was played up to a question with this tag; 0: it has none."""
         self._asked_tag = tag
+
+    @property
+    @any_thread
+    def obeys_feed(self) -> bool:
+        """The feed override acts on the block in hand; also where there is none."""
+        try:
+            return bool(self._queue[0].block.override_q8)
+        except IndexError:
+            return True
 
     def duration_s(self) -> float:
         """Motion in the queue, as planned, without what was played of the block in hand."""

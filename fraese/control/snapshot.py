@@ -69,6 +69,7 @@ def snapshot(
         question=loop.runner.question,
         override=queue.handling.feed,
         rapid_override=queue.handling.rapid,
+        obeys_override=not report.running or queue.obeys_feed,
         single_block=queue.handling.single_block,
         optional_stop=queue.handling.optional_stop,
         block_delete=queue.handling.block_delete,

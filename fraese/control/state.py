@@ -147,6 +147,7 @@ class MachineState:
         dry_queues: times the queue ran dry since the start.
         override: feed override, a factor.
         rapid_override: of rapids, a factor.
+        obeys_override: an override acts on what is done now.
         single_block: a program waits after every line that moves.
         optional_stop: M1 stops.
         block_delete: lines that begin with a slash are left out.
@@ -188,6 +189,7 @@ class MachineState:
     question: str = ""
     override: float = 1.0
     rapid_override: float = 1.0
+    obeys_override: bool = True
     single_block: bool = False
     optional_stop: bool = False
     block_delete: bool = False

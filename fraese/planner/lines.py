@@ -103,6 +103,7 @@ def plan_line(
     watch: Watch | None = None,
     outputs: Outputs | None = None,
     tag: int = 0,
+    most: float = 0.0,
 ) -> Block | None:
     """A block from rest to rest; None when there is nothing to move.
 
@@ -113,13 +114,21 @@ def plan_line(
         watch: condition while it plays.
         outputs: change of free outputs at the first tick.
         tag: seen in reports.
+        most: the highest feed override that may act on it, a factor; 0: none acts. The block is
+            planned for that one, and played slower by what is wanted: so a raised override acts
+            on it, too. Where there are bands to avoid it is planned for 100 % at most: what is
+            played slower than planned knows no bands.
     """
     if not any(delta_steps):
         return None
     limits = line_limits(machine, delta_steps)
     cruise_hz = limits.max_hz
+    override_q8 = Q8 if most else 0
     if feed_mm_min is not None:
-        cruise_hz = min(cruise_hz, feed_mm_min / 60 * limits.ticks / limits.length_mm)
+        wanted_hz = min(cruise_hz, feed_mm_min / 60 * limits.ticks / limits.length_mm)
+        factor = 1.0 if limits.bands_hz else max(1.0, most)
+        cruise_hz = min(cruise_hz, wanted_hz * factor)
+        override_q8 = round(override_q8 * cruise_hz / wanted_hz)
     cruise_hz = limits.outside_bands_hz(cruise_hz)
     edge_hz = limits.edge_hz(cruise_hz)
     return Block(
@@ -134,4 +143,5 @@ def plan_line(
         watch=watch,
         outputs=outputs,
         tag=tag,
+        override_q8=override_q8,
     )

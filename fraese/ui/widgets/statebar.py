@@ -172,6 +172,8 @@ class FactsLine(Horizontal):
             else spoken("standing")
         )
         override = "" if state.override == 1 else f"{state.override:.0%}  "
+        if override and not state.obeys_override:
+            override += spoken("not here") + "  "
         self._feed.show(override + speed)
         self._motors.show(
             spoken("motors on") if state.energised else spoken("motors off"),
