@@ -37,7 +37,7 @@ from fraese.motor.clock import MonotonicClock
 from fraese.motor.pins import STATUS_PINS, levels
 from fraese.motor.seams import Card, IdleLevel, StepDriver
 from fraese.motor.waveform import Waveform
-from fraese.phrases import phrase
+from fraese.phrases import phrase, shown, spoken
 
 app = typer.Typer()
 bridge_app = typer.Typer(help="The microcontroller on a serial port.", no_args_is_help=True)
@@ -163,7 +163,8 @@ def try_out(
         for check in _checks(place, move, trace):
             checks.append(check)
             if not as_json:
-                say(f"{'ok' if check.ok else 'failed':6}  {check.name}: {check.seen}")
+                mark = spoken("ok") if check.ok else spoken("failed")
+                say(f"{mark:6}  {shown(check.name)}: {shown(check.seen)}")
         if as_json:
             say(json.dumps([check._asdict() for check in checks]))
         return 0 if all(check.ok for check in checks) else PortError.exit_code
@@ -183,7 +184,7 @@ def _checks(place: Place, move_steps: int, trace: Path | None) -> Iterator[Check
     ):
         hello = driver.session.hello
         yield Check(
-            "greeting",
+            phrase("greeting"),
             True,
             phrase(
                 "{board}, firmware {firmware}.{firmware_2}",
@@ -208,7 +209,7 @@ def _answers(driver: BridgeDriver) -> Check:
         median_s=median_s * 1000,
         slowest_s=slowest_s * 1000,
     )
-    return Check("answers", slowest_s < _SLOW_S, seen)
+    return Check(phrase("answers"), slowest_s < _SLOW_S, seen)
 
 
 def _damage(driver: BridgeDriver) -> Check:
@@ -231,16 +232,19 @@ def _damage(driver: BridgeDriver) -> Check:
         noticed=noticed,
         counted=counted,
     )
-    return Check("damage", noticed == _DAMAGED_FRAMES and not counted, seen)
+    return Check(phrase("damage"), noticed == _DAMAGED_FRAMES and not counted, seen)
 
 
 def _inputs(driver: BridgeDriver) -> Check:
     register = driver.poll(0).inputs
     pins = ", ".join(
-        f"{pin} {'high' if high else 'low'}" for pin, high in levels(register, STATUS_PINS).items()
+        f"{pin} {spoken('high') if high else spoken('low')}"
+        for pin, high in levels(register, STATUS_PINS).items()
     )
     return Check(
-        "inputs", True, phrase("register {register:02X}; pins {pins}", register=register, pins=pins)
+        phrase("inputs"),
+        True,
+        phrase("register {register:02X}; pins {pins}", register=register, pins=pins),
     )
 
 
@@ -259,7 +263,7 @@ def _queue(driver: BridgeDriver, motors: int) -> Check:
         block_s=_BLOCK_S * 1000,
         stored_2=stored * _BLOCK_S * 1000,
     )
-    return Check("queue", stored > 0 and not dropped.queued and not dropped.running, seen)
+    return Check(phrase("queue"), stored > 0 and not dropped.queued and not dropped.running, seen)
 
 
 def _contour_block(number: int, motors: int) -> Block:

@@ -116,7 +116,7 @@ def _print_facts(file: Path, facts: Facts, machine: Machine) -> None:
             seconds=seconds,
         )
     )
-    say("ok" if facts.ok else "refused")
+    say(phrase("ok") if facts.ok else phrase("refused"))
 
 
 @app.command()

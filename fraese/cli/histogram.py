@@ -11,6 +11,8 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
+from fraese.phrases import spoken
+
 _EIGHTHS: Final = " ▏▎▍▌▋▊▉█"
 _FULL: Final = "█"
 
@@ -62,5 +64,5 @@ def histogram(
 
 def _label(low: float, high: float, unit: str) -> str:
     if math.isinf(high):
-        return f"from {low:g} {unit}"
-    return f"{low:g} to {high:g} {unit}"
+        return spoken("from {low:g} {unit}", low=low, unit=unit)
+    return spoken("{low:g} to {high:g} {unit}", low=low, high=high, unit=unit)

@@ -10,7 +10,7 @@ from fraese.cli.leaving import leave
 from fraese.cli.options import JsonOption
 from fraese.cli.output import say
 from fraese.motor.bridge.line import SerialPort, serial_ports
-from fraese.phrases import phrase
+from fraese.phrases import joined, phrase
 
 app = typer.Typer()
 
@@ -61,4 +61,5 @@ def _in_words(port: SerialPort) -> str:
         if port.maker
         else phrase("serial port")
     )
-    return "  ".join(part for part in (port.device, likely, _ids(port), port.description) if part)
+    parts = (port.device, likely, _ids(port), port.description)
+    return joined("  ", [part for part in parts if part])

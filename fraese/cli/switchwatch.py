@@ -8,7 +8,7 @@ from typing import Final
 from fraese.cli.output import say, tell
 from fraese.control.controller import Controller
 from fraese.control.switchtest import SwitchTest
-from fraese.phrases import phrase
+from fraese.phrases import joined, phrase
 
 _LOOK_EVERY_S: Final = 0.05
 
@@ -52,7 +52,9 @@ def _look_once(controller: Controller, *, as_json: bool) -> int:
         }
         say(json.dumps(values))
     else:
-        pins = " ".join(f"{pin}:{'high' if high else 'low'}" for pin, high in state.inputs.items())
+        words = {True: phrase("high"), False: phrase("low")}
+        levels = [joined(":", (str(pin), words[high])) for pin, high in state.inputs.items()]
+        pins = joined(" ", levels)
         say(
             phrase(
                 "end switches {word}; pins {pins}",

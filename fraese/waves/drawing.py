@@ -14,6 +14,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
+from fraese.phrases import phrase, spoken
+from fraese.phrases import shown as read
 from fraese.waves import times
 from fraese.waves.figures import LineFigures, QuantityFigures, Shortest
 from fraese.waves.stretch import Seen, Stretch
@@ -134,16 +136,16 @@ def mean_hz(figures: LineFigures, unit_s: float) -> float | None:
 
 
 COLUMNS: Final = (
-    Column("edges", lambda f, _: str(f.edges)),
-    Column("rate", lambda f, u: times.rate(mean_hz(f, u))),
-    Column("fastest", lambda f, u: times.rate(fastest_hz(f, u))),
-    Column("duty", lambda f, _: "-" if f.duty is None else f"{100 * f.duty:.4g} %"),
-    Column("least high", lambda f, u: _shortest(f.high, u)),
-    Column("least low", lambda f, u: _shortest(f.low, u)),
-    Column("first edge", lambda f, u: _moment(f.first_edge, u)),
-    Column("last edge", lambda f, u: _moment(f.last_edge, u)),
-    Column("least high at", lambda f, u: _begin(f.high, u)),
-    Column("least low at", lambda f, u: _begin(f.low, u)),
+    Column(phrase("edges"), lambda f, _: str(f.edges)),
+    Column(phrase("rate"), lambda f, u: times.rate(mean_hz(f, u))),
+    Column(phrase("fastest"), lambda f, u: times.rate(fastest_hz(f, u))),
+    Column(phrase("duty"), lambda f, _: "-" if f.duty is None else f"{100 * f.duty:.4g} %"),
+    Column(phrase("least high"), lambda f, u: _shortest(f.high, u)),
+    Column(phrase("least low"), lambda f, u: _shortest(f.low, u)),
+    Column(phrase("first edge"), lambda f, u: _moment(f.first_edge, u)),
+    Column(phrase("last edge"), lambda f, u: _moment(f.last_edge, u)),
+    Column(phrase("least high at"), lambda f, u: _begin(f.high, u)),
+    Column(phrase("least low at"), lambda f, u: _begin(f.low, u)),
 )
 
 
@@ -153,7 +155,9 @@ def tables(stretch: Stretch, shown: Sequence[Seen], label: int, width: int) -> l
     lines = [(seen.line.name, seen.figures) for seen in shown]
     bits = [(name, f) for name, f in lines if isinstance(f, LineFigures) and f.edges]
     drawn: list[str] = []
-    parts = [[c.heading, *(c.word(f, unit_s) for _, f in bits)] for c in COLUMNS] if bits else []
+    parts = (
+        [[read(c.heading), *(c.word(f, unit_s) for _, f in bits)] for c in COLUMNS] if bits else []
+    )
     names = [shortened(name, label) for name in ("", *(name for name, _ in bits))]
     while parts:
         rows, parts = _table(names, parts, width)
@@ -179,7 +183,13 @@ def _quantities(
     lines: Sequence[tuple[str, LineFigures | QuantityFigures]], label: int
 ) -> list[str]:
     return [
-        f"{shortened(name, label)}  {f.least:g} to {f.most:g}, {f.changes} changes"
+        spoken(
+            "{name}  {least:g} to {most:g}, {changes} changes",
+            name=shortened(name, label),
+            least=f.least,
+            most=f.most,
+            changes=f.changes,
+        )
         for name, f in lines
         if isinstance(f, QuantityFigures) and f.changes
     ]
@@ -193,9 +203,9 @@ def set_ups(stretch: Stretch, shown: Sequence[Seen], label: int, width: int) -> 
     if not found:
         return []
     parts = [
-        ["set-up", *(_shortest(s.shortest, unit_s) for s in found)],
-        ["of", *(str(s.shortest.count) for s in found)],
-        ["at", *(_begin(s.shortest, unit_s) for s in found)],
+        [spoken("set-up"), *(_shortest(s.shortest, unit_s) for s in found)],
+        [spoken("of"), *(str(s.shortest.count) for s in found)],
+        [spoken("at"), *(_begin(s.shortest, unit_s) for s in found)],
         ["to", *(lines[s.clock].name for s in found)],
     ]
     heads = ["", *(lines[s.direction].name for s in found)]
@@ -205,17 +215,20 @@ def set_ups(stretch: Stretch, shown: Sequence[Seen], label: int, width: int) -> 
 
 def still(stretch: Stretch, shown: Sequence[Seen]) -> list[str]:
     """Lines that never change, by their level."""
-    words = {True: "high", False: "low"}
+    words = {True: spoken("high"), False: spoken("low")}
     found: dict[str, list[str]] = {}
     for seen in shown:
         level = seen.columns.level
         if not isinstance(seen.figures, LineFigures):
             word = f"{level:g}"
         else:
-            word = "not known" if math.isnan(level) else words[bool(level)]
+            word = spoken("not known") if math.isnan(level) else words[bool(level)]
         if seen.is_still:
             found.setdefault(word, []).append(seen.line.name)
-    return [f"{word} throughout: {', '.join(names)}" for word, names in sorted(found.items())]
+    return [
+        spoken("{word} throughout: {names}", word=word, names=", ".join(names))
+        for word, names in sorted(found.items())
+    ]
 
 
 def is_dense(drawn: Sequence[Seen]) -> bool:
