@@ -38,14 +38,13 @@ def snapshot(
         step_word: what the card calls one step.
         seen: what an onlooker sees.
     """
-    report, axes, job = queue.report, where.machine.axes, loop.progress()
-    position_steps, frame = where.position_steps, where.frame
+    report, axes, frame = queue.report, where.machine.axes, where.frame
     return MachineState(
         status=loop.status,
         message=loop.message,
         alarm=loop.alarm.kind if loop.alarm else None,
         axes=tuple(axis.name for axis in axes),
-        position_steps=position_steps,
+        position_steps=(position_steps := where.position_steps),
         position_mm=(position_mm := where.machine.to_mm(position_steps)),
         work_mm=frame.to_work(position_mm),
         offset_mm=frame.origin,
@@ -62,7 +61,7 @@ def snapshot(
         ends=switches.names(),
         switch_ignored=switches.ignored,
         inputs=levels(report.inputs, STATUS_PINS),
-        job=job and replace(job, doing=loop.runner.doing),
+        job=(job := loop.progress()) and replace(job, doing=loop.runner.doing),
         log_on=log_on,
         late_ticks=report.late_ticks,
         dry_queues=report.dry_queues,
