@@ -21,7 +21,7 @@ from types import FrameType
 from typing import Any, Final
 
 #: Options of the app that take a value; and those that do not.
-VALUED: Final = ("--config", "--state", "--open", "--trace")
+VALUED: Final = ("--config", "--state", "--open", "--trace", "--language")
 PLAIN: Final = ("--fresh",)
 #: They would kill the program before it gives anything back.
 _KILLING: Final = tuple(

@@ -3,14 +3,14 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
 from fraese.gcode import canon
 from fraese.program.translate import Moves
 
 if TYPE_CHECKING:
-    from fraese.program.check import Survey
-    from fraese.program.outline import Outline
+    from fraese.program.outline import Outline, OutlineMaker
+    from fraese.program.source import ProgramSource
 
 #: Between two words about how far it is.
 _TELL_S: Final = 0.1
@@ -36,10 +36,17 @@ class Stage:
 Tell = Callable[[Stage], object]
 
 
+class Told(Protocol):
+    """What is looked through; the survey."""
+
+    source: "ProgramSource"
+    drawing: "OutlineMaker | None"
+
+
 class Teller:
     """Says now and then how far it is: how many lines often, the outline ever more rarely."""
 
-    def __init__(self, survey: "Survey", tell: Tell | None) -> None:
+    def __init__(self, survey: Told, tell: Tell | None) -> None:
         self._survey = survey
         self._tell = tell
         self._told_s = self._began_s = self._drawn_s = time.monotonic()
