@@ -239,4 +239,4 @@ def probe(controller: Controller, name: str, values: Mapping[str, float]) -> Non
     state = controller.state()
     cycle = _Cycle(Probing().given(values), dict(zip(state.axes, state.work_mm, strict=True)))
     CYCLES[name][0](cycle)
-    run_text(controller, "\n".join([*cycle.lines, "M2", ""]), f"probe: {name}")
+    run_text(controller, "\n".join([*cycle.lines, "M2", ""]), phrase("probe: {name}", name=name))

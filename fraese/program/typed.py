@@ -25,6 +25,9 @@ _MOST_BYTES: Final = 100_000
 _PLACE: Final = Path("typed.ngc")
 
 
+_TYPED_LINE: Final = phrase("typed line")
+
+
 class _Typed(Taken):
     """It has no file that could change."""
 
@@ -39,7 +42,7 @@ def _content(text: str) -> Content:
 
 
 def run_text(
-    controller: Controller, text: str, name: str = "typed line", place: Path = _PLACE
+    controller: Controller, text: str, name: str = _TYPED_LINE, place: Path = _PLACE
 ) -> None:
     """Look it through and start it; the controller's ``run`` works it off.
 
