@@ -67,7 +67,7 @@ class SetDialog(LineDialog):
 
     AREA = Area.SET
     HEADING = spoken("The present position is to be")
-    YES = spoken("Set")
+    YES = spoken("Set it")
 
     def __init__(self, keys: KeyTable, link: MachineLink, inputs: dict[str, str]) -> None:
         example = spoken("X0 Y0   or   Z12.5 (on a plate)   or   X/2 (half)")
