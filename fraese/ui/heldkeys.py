@@ -23,6 +23,15 @@ from fraese.control.heldjog import DEAD_MAN_S
 
 #: Closer together strokes come out of a queue and not from a keyboard.
 _AT_ONCE_S: Final = 0.008
+#: Slower ones are a keyboard's in any terminal: one that was measured may have been set anew since.
+_QUICK_S: Final = 0.06
+#: Repeats come more often than this, also where a line is uneven; no finger does.
+_SLOWEST_S: Final = 0.12
+#: Of a terminal that was measured: its first repeat comes after so long, and so many intervals,
+_DELAYS_S: Final = (0.12, 2.0)
+_DELAY_INTERVALS: Final = 2
+#: and its others are off by no more. Else fingers look like it.
+_MOST_JITTER_S: Final = 0.04
 #: Nobody who holds a key is silent for less.
 _LEAST_SILENCE_S: Final = 0.08
 #: After less a stroke is no first repeat, where nobody has measured it;
@@ -63,9 +72,30 @@ class Manners:
     jitter_s: float = 0.02
 
     @property
+    def is_measured(self) -> bool:
+        """Somebody has held a key here."""
+        return self.delay_s > 0
+
+    @property
+    def are_plausible(self) -> bool:
+        """A keyboard repeats so, and no finger."""
+        low_s, high_s = _DELAYS_S
+        return (
+            max(low_s, _DELAY_INTERVALS * self.interval_s) <= self.delay_s <= high_s
+            and self.interval_s >= _AT_ONCE_S
+            and 0 <= self.jitter_s <= _MOST_JITTER_S
+            and self._latest_s <= _SLOWEST_S
+        )
+
+    @property
     def quick_s(self) -> float:
         """Repeats come at least so often; a finger does not."""
-        return min(self.interval_s + 1.0 * self.jitter_s, 0.12)
+        return min(max(self._latest_s, _QUICK_S), _SLOWEST_S)
+
+    @property
+    def _latest_s(self) -> float:
+        """A repeat comes so late at most; what was measured in a second is not the worst."""
+        return self.interval_s + max(self.jitter_s, _OFF_S)
 
     @property
     def silence_s(self) -> float:
@@ -75,7 +105,7 @@ class Manners:
 
     def is_delay(self, gap_s: float) -> bool:
         """So long is it, measured, from a press to its first repeat."""
-        return self.delay_s > 0 and abs(gap_s - self.delay_s) <= self.jitter_s + _OFF_S
+        return self.is_measured and abs(gap_s - self.delay_s) <= self.jitter_s + _OFF_S
 
 
 class HeldKeys:

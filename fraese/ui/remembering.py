@@ -1,12 +1,14 @@
-"""The app begins as it was left: view, look, file and what was typed."""
+"""The app begins as it was left: view, look, file, what was typed, how its keys repeat."""
 
 import contextlib
 from pathlib import Path
 from typing import Final
 
 from fraese.ui.eventlog import EventLog, Kind
+from fraese.ui.heldkeys import HeldKeys
+from fraese.ui.measuring import terminal_name
 from fraese.ui.programs import ProgramDesk
-from fraese.ui.session import Session, SessionFile, keepable, shortened
+from fraese.ui.session import Session, SessionFile, keepable, shortened, with_manners
 from fraese.ui.viewed import ViewedApp
 
 #: What is remembered is written so often, if it has changed.
@@ -20,12 +22,14 @@ class RememberingApp(ViewedApp):
     _programs: ProgramDesk
     _events: EventLog
     _inputs: dict[str, str]
+    _strokes: HeldKeys
 
     def remember_files(self) -> None:
-        """As the last time: folder, and the file that was open; before a view looks for it."""
+        """As the last time: keys, folder, the file that was open; before a view looks for it."""
         found = self._session.found
         if self._session.word:
             self._events.add(self._session.word, Kind.WARNING)
+        self._strokes.manners = found.held_keys.get(terminal_name(), self._strokes.manners)
         if found.folder:
             self._programs.last_folder = Path(found.folder)
         if found.file and self._programs.path is None:
@@ -58,4 +62,7 @@ class RememberingApp(ViewedApp):
             file=keepable(loaded),
             folder=keepable(programs.folder),
             inputs=shortened(self._inputs),
+            held_keys=with_manners(
+                self._session.found.held_keys, terminal_name(), self._strokes.manners
+            ),
         )

@@ -1,4 +1,4 @@
-"""What the app remembers from one day to the next: view, look, file, folder, what was typed.
+"""What the app remembers from one day to the next: view, look, file, what was typed, held keys.
 
 Rule 1: it is a comfort. What cannot be read, is damaged, or comes from a newer program is
         forgotten, with a word; what cannot be written is let go.
@@ -9,19 +9,22 @@ Rule 3: a file that was open is opened again, and never started.
 
 import os
 import threading
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from fraese.errors import ConfigError
 from fraese.journal.files import make_folder, open_plain, read_all, replace
 from fraese.phrases import phrase
+from fraese.ui.heldkeys import Manners
 
 _VERSION: Final = 1
 _MOST_BYTES: Final = 1 << 17
 _MOST_INPUTS: Final = 200
+_MOST_TERMINALS: Final = 50
 
 #: Characters.
 _NAME, _PATH, _INPUT = 60, 4096, 500
@@ -29,6 +32,15 @@ _NAME, _PATH, _INPUT = 60, 4096, 500
 _Name = Annotated[str, Field(max_length=_NAME)]
 _Path = Annotated[str, Field(max_length=_PATH)]
 _Input = Annotated[str, Field(max_length=_INPUT)]
+
+
+def _plausible(manners: Manners) -> Manners:
+    if not manners.are_plausible:
+        raise ValueError("no keyboard repeats so")
+    return manners
+
+
+_Manners = Annotated[Manners, AfterValidator(_plausible)]
 
 
 class Session(BaseModel):
@@ -41,6 +53,7 @@ class Session(BaseModel):
         file: the program that was open; empty: none.
         folder: where programs were looked for.
         inputs: what was typed last, by the name of the question.
+        held_keys: how keys repeat, by the name of the terminal that was measured.
     """
 
     model_config = ConfigDict(extra="forbid", strict=True)
@@ -51,6 +64,7 @@ class Session(BaseModel):
     file: _Path = ""
     folder: _Path = ""
     inputs: dict[_Name, _Input] = Field({}, max_length=_MOST_INPUTS)
+    held_keys: dict[_Name, _Manners] = Field({}, max_length=_MOST_TERMINALS)
 
 
 class SessionFile:
@@ -122,6 +136,16 @@ def shortened(inputs: dict[str, str]) -> dict[str, str]:
     latest = list(inputs.items())[-_MOST_INPUTS:]
     fitting = {name: text for name, text in latest if len(name) <= _NAME and len(text) <= _INPUT}
     return {name: text for name, text in fitting.items() if _is_text(text)}
+
+
+def with_manners(
+    measured: Mapping[str, Manners], terminal: str, manners: Manners
+) -> dict[str, Manners]:
+    """Those of all terminals, with these of one, if they were measured."""
+    if not manners.is_measured:
+        return dict(measured)
+    others = [(name, its) for name, its in measured.items() if name != terminal]
+    return {**dict(others[1 - _MOST_TERMINALS :]), terminal: manners}
 
 
 def keepable(path: Path | None) -> str:

@@ -32,6 +32,11 @@ BY_HAND: Final = (
         Area.MACHINE, "p", "p", "probe", "Probe …",
         "Feel for work, edge, corner, hole or boss, and set the work zero there.", "Position",
     ),
+    Row(
+        Area.MACHINE, "h", "h", "measure_held_key", "Measure a held key …",
+        "How this terminal repeats a key that is held, so that a jog begins and ends sooner;"
+        " nothing moves meanwhile.", "Jog",
+    ),
 )  # fmt: skip
 DIALOGS: Final = (
     Row(Area.TYPED, "", "Enter", "accept", hint="do it"),

@@ -44,6 +44,8 @@ BEFORE_AXES: Final = (
     Row(Area.SWITCHES, "up", "↑", "step(-1)", hint="ask for another one"),
     Row(Area.SWITCHES, "down", "↓", "step(1)", hint="ask for another one"),
     _back(Area.SWITCHES),
+    Row(Area.HELD_KEY, "right", "→", "measure_stroke", hint="hold it"),
+    _back(Area.HELD_KEY, "close"),
     _back(Area.HELP),
     Row(Area.HELP, "question_mark,f1,q", "?", "back"),
     Row(Area.REFERENCE, "enter", "Enter", "accept", hint="go", priority=True),

@@ -37,6 +37,7 @@ class Area(Enum):
     CONSENT = "write the configuration"
     SETTINGS = "Settings"
     SETTING = "a key of the configuration"
+    HELD_KEY = "measure a held key"
     HELP = "help"
 
 

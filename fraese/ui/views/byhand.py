@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from fraese.control.workcommands import go_to_zero
 from fraese.phrases import spoken
 from fraese.ui.dialogs.byhand import OffsetsDialog, ProbeDialog, SetDialog, TypedDialog
+from fraese.ui.dialogs.heldkey import HeldKeyPage
 from fraese.ui.dialogs.macro import MacroDialog
 from fraese.ui.macros import Macro
 from fraese.ui.views.afterfaults import AfterFaults
@@ -66,6 +67,13 @@ class ByHand(AfterFaults):
         """The nine work offsets."""
         desk = self.desk
         self.app.push_screen(OffsetsDialog(desk.keys, desk.link, desk.link.shape.names))
+
+    def action_measure_held_key(self) -> None:
+        """How this terminal repeats a key."""
+        if self.desk.link.moving:
+            self.refuse(BUSY)
+        else:
+            self.app.push_screen(HeldKeyPage(self.desk.keys, self.desk.strokes))
 
     def action_probe(self) -> None:
         """Which cycle."""
