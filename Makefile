@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test fuzz mutate campaign coverage check format clean firmware rig-avr rig-lpt
+.PHONY: run test fuzz monkey mutate campaign coverage check format clean firmware rig-avr rig-lpt
 
 run: $(READY)
 	$(BIN)/fraese
@@ -31,6 +31,12 @@ FUZZ ?= 50
 fuzz: $(READY)
 	FRAESE_FUZZ=$(FUZZ) $(BIN)/pytest -n auto --dist worksteal tests/fuzz \
 		tests/ui/test_bad_terminals.py::test_the_app_lives_whatever_is_typed $(if $(ONLY),-k $(ONLY))
+
+# A monkey at the app: so many keys, clicks, pastes and sizes at random; says seed and last events where something must
+# not be. SEED=7: those of this seed; LIFE=3: only that start of the app. Takes most of an hour.
+EVENTS ?= 100000
+monkey: $(READY)
+	$(BIN)/python -m tests.ui.monkey --events $(EVENTS) $(if $(SEED),--seed $(SEED)) $(if $(LIFE),--life $(LIFE))
 
 # Twice as slow.
 coverage: $(READY)

@@ -60,7 +60,7 @@ from fraese.ui.widths import RepeatRule
 _FRAME_S: Final = 0.04
 #: The step loop of a simulated mill shares the interpreter: let it have its turn soon.
 _SWITCH_INTERVAL_S: Final = 0.0005
-#: They end what a key is held for.
+#: They end what a key or a button of the jog pad is held for.
 _NO_HANDS: Final = (events.AppBlur, events.Resize, events.MouseDown)
 #: What the app is made of is there by then: modules, widgets, first pictures.
 _SETTLED_S: Final = 0.5
@@ -270,6 +270,8 @@ class FraeseApp(HeardApp, RememberingApp):
         A stop key overtakes what was pressed before it, since it does not go to the screen first:
         whatever comes back from there later is not done.
         """
+        if isinstance(event, events.InputEvent) and not self.screen_stack:
+            return  # on the way out
         if isinstance(event, events.Key):
             if event.is_forwarded:
                 # It has been to the screen and comes back to be done: too late after a stop.
@@ -277,15 +279,22 @@ class FraeseApp(HeardApp, RememberingApp):
                     return
                 self._fingers.does(event)
             else:
+                self._let_go_of_pad()
                 self._fingers.press(event)
                 self._heard = self._early_stop.of(event)
                 if event.key in STOP_KEYS:
                     self._stopped_s, self._stop_key = event.time, event.key
         elif isinstance(event, _NO_HANDS):
+            self._let_go_of_pad()
             self._fingers.off(all_up=isinstance(event, events.AppBlur))
         await super().on_event(event)
         self._heard = None
         self._strokes.is_done()
+
+    def _let_go_of_pad(self) -> None:
+        """A hand that does something else has left the jog pad's button."""
+        if not self._strokes.holds:
+            self.link.let_go_held()
 
     def action_stop_machine(self) -> None:
         """Brake; the second time while it moves, stop; end a look-through. Else the key is free."""

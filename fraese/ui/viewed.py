@@ -10,6 +10,7 @@ from textual.screen import Screen
 from fraese.phrases import spoken
 from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.views.view import Desk, View
+from fraese.ui.widgets.options import Palette
 
 
 class ViewedApp(App[None]):
@@ -41,6 +42,11 @@ class ViewedApp(App[None]):
         names = list(self._views)
         at = names.index(self.current_mode)
         await self.action_show_view(names[(at + by) % len(names)])
+
+    def action_command_palette(self) -> None:
+        """Every command, by its name."""
+        if not isinstance(self.screen, Palette):
+            self.push_screen(Palette(id="--command-palette"))
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """The palette: every command of the table."""

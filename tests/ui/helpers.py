@@ -11,6 +11,7 @@ from typing import Any
 import textual.app
 import textual.pilot
 from textual._wait import wait_for_idle
+from textual.message import Message
 from textual.pilot import Pilot
 
 from fraese.assembly import Plant, assemble
@@ -167,6 +168,12 @@ class Bench:
 
     async def press(self, *keys: str) -> None:
         await self.pilot.press(*keys)
+
+    def tell(self, message: Message) -> None:
+        """As the terminal tells of it."""
+        driver = self.app._driver
+        assert driver is not None
+        driver.process_message(message)
 
     async def type(self, text: str) -> None:
         await self.pilot.press(*("space" if char == " " else char for char in text))

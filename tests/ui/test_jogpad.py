@@ -1,9 +1,17 @@
 """The pad: a click is one width, a button that is held runs until it is let go."""
 
+from collections.abc import Awaitable, Callable
 from functools import partial
 
+import pytest
+from textual import events
+
+from fraese.config import Config
 from fraese.ui.widgets.jogpad import HELD_S, JogButton
 from tests.ui.helpers import LONG_MOVE_MM, Bench, bench, play
+
+#: By itself it would be at the end of the longest jog after most of a minute.
+SLOW = Config.model_validate({"jog": {"feed_mm_min": 60}})
 
 
 def patiently(b: Bench) -> None:
@@ -41,6 +49,46 @@ def test_a_button_that_is_held_runs_until_it_is_let_go() -> None:
             await b.pilot.pause(0.3)
             assert b.moved_steps[0] == at
             assert b.mill.look().lost_steps == (0, 0, 0)
+
+    play(scene)
+
+
+async def leave(b: Bench) -> None:
+    await b.pilot.hover("#jog-y-more")
+
+
+async def leave_window(b: Bench) -> None:
+    """Nobody hears where the button is let go."""
+    b.tell(events.MouseMove(None, -1, 30, 0, 0, 1, False, False, False, -1, 30))
+
+
+async def lose_focus(b: Bench) -> None:
+    b.tell(events.AppBlur())
+
+
+async def ask_for_help(b: Bench) -> None:
+    await b.press("question_mark")
+
+
+async def resize(b: Bench) -> None:
+    await b.pilot.resize_terminal(130, 50)
+
+
+@pytest.mark.parametrize("lose", [leave, leave_window, lose_focus, ask_for_help, resize])
+def test_a_button_whose_release_may_not_be_heard_counts_as_let_go(
+    lose: Callable[[Bench], Awaitable[None]],
+) -> None:
+    async def scene() -> None:
+        async with bench(clock="paced", config=SLOW) as b:
+            patiently(b)
+            await b.pilot.mouse_down("#jog-x-more")
+            await b.wait(lambda: b.moved_steps[0] > 20)
+            await lose(b)
+            await b.settled()
+            at = b.moved_steps[0]
+            assert at < 0.5 * SLOW.jog.max_mm * 200
+            await b.pilot.pause(0.3)
+            assert b.moved_steps[0] == at, "what is still held does not set out again"
 
     play(scene)
 

@@ -3,12 +3,17 @@
 from pathlib import Path
 
 import pytest
+from rich.style import Style
+from textual import events
+from textual.app import App, ComposeResult
+from textual.command import CommandList
 
 from fraese.program.program import open_program
 from fraese.ui.dialogs.goto import GoToDialog
 from fraese.ui.dialogs.help import HelpPage
 from fraese.ui.views.machine import MachineView
 from fraese.ui.widgets.fact import Fact
+from fraese.ui.widgets.options import Options, Palette
 from tests.ui.helpers import bench, play
 
 
@@ -84,5 +89,73 @@ def test_the_tool_is_lifted() -> None:
             assert b.drawn.position_mm[2] == b.drawn.high_mm[2]
             await b.press("L")
             await b.wait(lambda: "is up already" in b.text("#message"))
+
+    play(scene)
+
+
+@pytest.mark.parametrize("key", ["pageup", "pagedown"])
+@pytest.mark.parametrize("rows", [1, 3, 24])
+def test_a_palette_without_a_line_in_sight_has_no_pages(rows: int, key: str) -> None:
+    async def scene() -> None:
+        async with bench(size=(80, rows)) as b:
+            await b.press("ctrl+p")
+            commands = b.app.screen.query_one(CommandList)
+            await b.wait(lambda: commands.option_count > 1)
+            await b.press(key)
+            assert b.app.is_running
+            await b.press("escape")
+            assert b.app.screen is b.view
+
+    play(scene)
+
+
+class LowList(App[None]):
+    """A list of which no line is to be seen."""
+
+    def compose(self) -> ComposeResult:
+        options = Options("one", "two")
+        options.styles.height = 0
+        yield options
+
+
+def test_a_list_without_a_line_in_sight_has_no_pages_and_takes_no_late_click() -> None:
+    async def scene() -> None:
+        app = LowList()
+        async with app.run_test() as pilot:
+            options = app.query_one(Options)
+            options.focus()
+            options.highlighted = 1
+            await pilot.press("pageup", "pagedown")
+            gone = Style(meta={"option": 5})
+            options.post_message(
+                events.Click(options, 0, 0, 0, 0, 1, False, False, False, 0, 0, gone)
+            )
+            await pilot.pause()
+            assert options.highlighted == 1
+
+    play(scene)
+
+
+def test_a_palette_that_is_closed_twice_at_once_is_closed_once() -> None:
+    async def scene() -> None:
+        async with bench() as b:
+            await b.press("ctrl+p")
+            await b.wait(lambda: isinstance(b.app.screen, Palette))
+            palette = b.app.screen
+            palette.dismiss(None)
+            palette.dismiss(None)
+            await b.wait(lambda: b.app.screen is b.view)
+            await b.press("g")
+            assert isinstance(b.app.screen, GoToDialog)
+
+    play(scene)
+
+
+def test_what_is_typed_on_the_way_out_goes_nowhere() -> None:
+    async def scene() -> None:
+        async with bench() as b:
+            pass
+        await b.app.on_event(events.Key("x", "x"))
+        assert b.app.exit_code == 0
 
     play(scene)

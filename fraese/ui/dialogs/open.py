@@ -16,6 +16,7 @@ from fraese.phrases import spoken
 from fraese.plaintext import dotted, plain
 from fraese.ui.dialogs.dialog import Dialog
 from fraese.ui.keyrows import Area, KeyTable
+from fraese.ui.widgets.options import Options
 
 #: A key in a longer text takes longer than the next needs to come.
 _LONGEST: Final = 2_000
@@ -86,7 +87,7 @@ class OpenDialog(Dialog[Path]):
         )
         if self._recent:
             options = (Option(Text(_in_short(path), no_wrap=True)) for path in self._recent)
-            yield OptionList(*options, id="recent", compact=True)
+            yield Options(*options, id="recent", compact=True)
         yield FileTree(self._folder, id="tree")
 
     @on(OptionList.OptionSelected, "#recent")

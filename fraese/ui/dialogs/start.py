@@ -20,6 +20,7 @@ from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.programs import Program
 from fraese.ui.shape import Shape
 from fraese.ui.widgets.fact import Fact
+from fraese.ui.widgets.options import Options
 from fraese.ui.widgets.pathpane import PathPane
 from fraese.ui.widgets.projection import XY
 from fraese.ui.widgets.scene import Scene
@@ -88,7 +89,7 @@ class StartDialog(Dialog[Decision]):
                     fact.set_class(bool(line.tone), line.tone or "-plain")
                     yield fact
         if self._problems:
-            yield OptionList(
+            yield Options(
                 *(Option(Text(plain(problem.words))) for problem in self._problems),
                 id="problems",
                 compact=True,

@@ -1,5 +1,7 @@
 """A pad to jog with the mouse: a click is one width, a button that is held runs until it is let go.
 
+Who leaves the button with the mouse has let it go. Keys and another window end it in the app.
+
     Y+      Z+
 X−      X+
     Y−      Z−
@@ -71,6 +73,11 @@ class JogButton(Static):
         self._end()
         if was_down and not was_held:
             self.post_message(self.Pressed(self._axis, self._sign))
+
+    def on_mouse_move(self, event: events.MouseMove) -> None:
+        """Off the button it may come up where nobody hears it, outside the window."""
+        if self._timer is not None and not self.region.contains_point(event.screen_offset):
+            self._end()
 
     def on_mouse_release(self) -> None:
         """Somebody else has the mouse: that is a release, too."""

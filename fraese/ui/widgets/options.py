@@ -1,0 +1,43 @@
+"""Lists to choose from, and the palette: whatever is done to them before they are laid out.
+
+Textual's fail where a page is asked for and there is no line, in a low window or too soon, and
+where a line is clicked that has just gone. An app that fails ends.
+"""
+
+from typing import Literal
+
+from textual import events
+from textual.app import ComposeResult
+from textual.await_complete import AwaitComplete
+from textual.command import CommandList, CommandPalette
+from textual.widgets import OptionList
+
+
+class Options(OptionList):
+    """A list that pages where there are pages, and takes clicks on what is there."""
+
+    def _move_page(self, direction: Literal[-1, 1]) -> None:
+        if self._lines:
+            super()._move_page(direction)
+
+    async def _on_click(self, event: events.Click) -> None:
+        option = event.style.meta.get("option")
+        if option is not None and option >= self.option_count:
+            event.prevent_default()
+
+
+class Commands(CommandList, Options):
+    """The commands of the palette."""
+
+
+class Palette(CommandPalette):
+    """The command palette, with such a list."""
+
+    def compose(self) -> ComposeResult:
+        """As Textual's."""
+        for widget in super().compose():
+            yield Commands() if isinstance(widget, CommandList) else widget
+
+    def dismiss(self, result: None = None) -> AwaitComplete:
+        """Close it, once: two keys that come at once may both want to."""
+        return super().dismiss(result) if self.is_current else AwaitComplete()
