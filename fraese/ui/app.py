@@ -267,11 +267,8 @@ class FraeseApp(HeardApp, RememberingApp):
     async def on_event(self, event: events.Event) -> None:
         """Let the repeat rule see every key before anything happens.
 
-        A stop key overtakes what was pressed before it, since it does not go to the screen first:
-        whatever comes back from there later is not done.
+        A stop key overtakes what was pressed before it: what comes back from there is not done.
         """
-        if isinstance(event, events.InputEvent) and not self.screen_stack:
-            return  # on the way out
         if isinstance(event, events.Key):
             if event.is_forwarded:
                 # It has been to the screen and comes back to be done: too late after a stop.
@@ -279,22 +276,17 @@ class FraeseApp(HeardApp, RememberingApp):
                     return
                 self._fingers.does(event)
             else:
-                self._let_go_of_pad()
+                self.let_go_of_pad()
                 self._fingers.press(event)
                 self._heard = self._early_stop.of(event)
                 if event.key in STOP_KEYS:
                     self._stopped_s, self._stop_key = event.time, event.key
         elif isinstance(event, _NO_HANDS):
-            self._let_go_of_pad()
+            self.let_go_of_pad()
             self._fingers.off(all_up=isinstance(event, events.AppBlur))
         await super().on_event(event)
         self._heard = None
         self._strokes.is_done()
-
-    def _let_go_of_pad(self) -> None:
-        """A hand that does something else has left the jog pad's button."""
-        if not self._strokes.holds:
-            self.link.let_go_held()
 
     def action_stop_machine(self) -> None:
         """Brake; the second time while it moves, stop; end a look-through. Else the key is free."""

@@ -45,6 +45,11 @@ class HeardApp(ViewedApp):
         if not key or key == self._strokes.holds:
             self.link.let_go_held()
 
+    def let_go_of_pad(self) -> None:
+        """A hand that does something else has left the button of the jog pad."""
+        if not self._strokes.holds:
+            self.link.let_go_held()
+
     def on_key_up(self, message: KeyUp) -> None:
         """What the key was held for is over."""
         self._fingers.up(message.key)

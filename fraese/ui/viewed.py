@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any
 
+from textual import events
 from textual.app import App, SystemCommand
 from textual.screen import Screen
 
@@ -16,7 +17,14 @@ from fraese.ui.widgets.options import Palette
 class ViewedApp(App[None]):
     """An app whose modes are views."""
 
+    #: The terminal selects text, with Shift and the mouse. Textual fails over what has just gone.
+    ALLOW_SELECT = False
     _keys: KeyTable
+
+    async def on_event(self, event: events.Event) -> None:
+        """As Textual's; what is typed on the way out goes nowhere."""
+        if self.screen_stack or not isinstance(event, events.InputEvent):
+            await super().on_event(event)
 
     def make_views(self, views: Mapping[str, type[View]], desk: Desk) -> None:
         """All there are; none is drawn before it is seen."""

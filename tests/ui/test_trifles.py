@@ -1,5 +1,6 @@
 """Small things that were once misleading."""
 
+import asyncio
 from pathlib import Path
 
 import pytest
@@ -157,5 +158,21 @@ def test_what_is_typed_on_the_way_out_goes_nowhere() -> None:
             pass
         await b.app.on_event(events.Key("x", "x"))
         assert b.app.exit_code == 0
+
+    play(scene)
+
+
+def test_a_mouse_button_pressed_on_what_has_just_gone_is_pressed_on_nothing() -> None:
+    async def scene() -> None:
+        async with bench() as b:
+            gone = b.view.query_one("#message")
+            parent, at = gone._parent, gone.region.offset
+            # Off the tree, and still in the last picture.
+            gone._parent = None
+            b.tell(events.MouseDown(None, *at, 0, 0, 1, False, False, False, *at))
+            await asyncio.sleep(0.1)
+            gone._parent = parent
+            assert b.app.is_running
+            assert b.app._exception is None
 
     play(scene)
