@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test fuzz monkey mutate campaign coverage check format clean firmware rig-avr rig-lpt
+.PHONY: run test fuzz monkey mutate campaign looks tour coverage check format clean firmware rig-avr rig-lpt
 
 run: $(READY)
 	$(BIN)/fraese
@@ -37,6 +37,14 @@ fuzz: $(READY)
 EVENTS ?= 100000
 monkey: $(READY)
 	$(BIN)/python -m tests.ui.monkey --events $(EVENTS) $(if $(SEED),--seed $(SEED)) $(if $(LIFE),--life $(LIFE))
+
+# How the app looks, written anew: the snapshots of the tests; git shows what has changed.
+looks: $(READY)
+	FRAESE_LOOKS=1 $(BIN)/pytest -n auto tests/ui/test_looks.py
+
+# The pictures of docs/app.md. LOCALE=de: in another language.
+tour: $(READY)
+	$(BIN)/python -m bench.tour $(LOCALE)
 
 # Twice as slow.
 coverage: $(READY)

@@ -87,7 +87,7 @@ class FileWriter:
         """Of the file, or of the one that would be made."""
         return str(file_to_write(self._named))
 
-    def write(self, values: Mapping[str, Value]) -> None:
+    def write(self, values: Mapping[str, Change]) -> None:
         """See ``set_keys``."""
         set_keys(Path(self.path), values)
 

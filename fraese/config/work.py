@@ -196,6 +196,7 @@ class ToolConfig(Section):
 
     length_mm: float = Field(0, description="Length offset that G43 applies, mm.")
     diameter_mm: NotNegative = Field(0, description="Diameter, mm.")
+    remark: str = Field("", max_length=40, description="What it is, for people.")
 
 
 class LogConfig(Section):

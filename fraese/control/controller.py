@@ -17,9 +17,10 @@ from fraese.anythread import any_thread
 from fraese.config import Config
 from fraese.control.about import PLAIN, About
 from fraese.control.commands import Commands
+from fraese.control.cutting import CuttingHistory
 from fraese.control.endswitches import EndSwitches
 from fraese.control.handling import Handling
-from fraese.control.jobs import Job
+from fraese.control.jobs import Job, move_of
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.onlooker import Nobody, Onlooker
 from fraese.control.position import Position
@@ -52,6 +53,7 @@ class Controller(Commands):
         position: positions, references, work offsets.
         switches: the end switches and the probe.
         handling: overrides, and how programs are run.
+        cutting: feed and spindle of the program in hand, or of the last one.
     """
 
     def __init__(
@@ -76,6 +78,7 @@ class Controller(Commands):
             driver, optional_stop=config.run.optional_stop, block_delete=config.run.block_delete
         )
         self.position = Position(machine)
+        self.cutting = CuttingHistory()
         self.switches = EndSwitches(config, self.position, driver)
         keeper = recorder or Recorder()
         self._queue = MotionQueue(driver, self.position, self.switches, keeper, handling)
@@ -203,6 +206,10 @@ class Controller(Commands):
         """Steps made since the start, both directions added, per axis."""
         return self._queue.report.travelled_steps
 
+    def move_played(self) -> int:
+        """Number of the move of the program that is being played; 0: none yet."""
+        return move_of(self._queue.tag)
+
     def blocks_pushed(self) -> int:
         """Blocks of the present job given to the driver so far."""
         return self._queue.blocks
@@ -241,4 +248,6 @@ class Controller(Commands):
             log_on=self.log is not None and self.log.is_on,
             step_word=self.step_word,
             seen=self._onlooker.look(),
+            cutting=self.cutting,
+            tools=self.config.tools,
         )

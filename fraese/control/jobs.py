@@ -40,11 +40,13 @@ class Ask:
         question: what he is asked.
         admits: he may move by hand meanwhile; whoever asks sees to the way back.
         tag: of the move that asks, as blocks have it; 0: it is no move.
+        waits_for: in a word, such as "tool 2"; empty: him.
     """
 
     question: str
     admits: bool = True
     tag: int = 0
+    waits_for: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -138,6 +138,13 @@ class Runner:
 
     @property
     @any_thread
+    def waits_for(self) -> str:
+        """What the job waits for while it asks, in a word; empty: nothing, or the operator."""
+        wait = self._wait
+        return wait.waits_for if self.question and isinstance(wait, Ask) else ""
+
+    @property
+    @any_thread
     def is_open(self) -> bool:
         """The job waits for an answer, and nothing else is done."""
         admits = isinstance(self._wait, Ask) and self._wait.admits

@@ -4,15 +4,21 @@ Rule 1: from any thread. Every part replaces whole what is read here; a look is 
         what the operator has just ordered may show in it before the motors know.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from fraese.anythread import any_thread
+from fraese.config.work import ToolConfig
+from fraese.control.cutting import CuttingHistory
 from fraese.control.endswitches import EndSwitches
+from fraese.control.jobs import move_of
 from fraese.control.motionqueue import MotionQueue
 from fraese.control.onlooker import Seen
 from fraese.control.position import Position
 from fraese.control.runloop import RunLoop
 from fraese.control.state import MachineState, Status, WorkFacts
+from fraese.machine import Axis
 from fraese.motor.pins import STATUS_PINS, levels
 
 
@@ -26,6 +32,8 @@ def snapshot(
     log_on: bool,
     step_word: str,
     seen: Seen,
+    cutting: CuttingHistory,
+    tools: Mapping[str, ToolConfig],
 ) -> MachineState:
     """Everything that can be shown, as it is now.
 
@@ -37,42 +45,40 @@ def snapshot(
         log_on: the log is being written.
         step_word: what the card calls one step.
         seen: what an onlooker sees.
+        cutting: feed and spindle.
+        tools: the tool table.
     """
-    report, axes, frame = queue.report, where.machine.axes, where.frame
+    report, job = queue.report, loop.progress()
+    position_steps, frame = where.position_steps, where.frame
+    tool, runner = where.offsets.tool, loop.runner
     return MachineState(
+        **_of_axes(where.machine.axes),
+        **_wanted(queue),
         status=loop.status,
         message=loop.message,
         alarm=loop.alarm.kind if loop.alarm else None,
-        axes=tuple(axis.name for axis in axes),
-        position_steps=(position_steps := where.position_steps),
+        position_steps=position_steps,
         position_mm=(position_mm := where.machine.to_mm(position_steps)),
         work_mm=frame.to_work(position_mm),
         offset_mm=frame.origin,
-        work=WorkFacts.of(frame, where.offsets.tool),
+        work=WorkFacts.of(frame, tool, tools.get(str(tool))),
+        cutting=cutting.at(move_of(queue.tag)),
         referenced=where.referenced,
-        low_mm=tuple(axis.low_mm for axis in axes),
-        high_mm=tuple(axis.high_mm for axis in axes),
         speed_mm_min=queue.mm_s() * 60,
         speed_unit=queue.speed_unit,
         running=report.running,
-        held=loop.runner.held and loop.status is Status.RUN,
+        held=runner.held and loop.status is Status.RUN,
         energised=report.energised,
         switch_closed=report.switch_closed,
         ends=switches.names(),
         switch_ignored=switches.ignored,
         inputs=levels(report.inputs, STATUS_PINS),
-        job=(job := loop.progress()) and replace(job, doing=loop.runner.doing),
+        job=job and replace(job, doing=runner.doing),
         log_on=log_on,
         late_ticks=report.late_ticks,
         dry_queues=report.dry_queues,
-        question=loop.runner.question,
-        override=queue.handling.feed,
-        rapid_override=queue.handling.rapid,
-        obeys_override=not report.running or queue.obeys_feed,
-        single_block=queue.handling.single_block,
-        optional_stop=queue.handling.optional_stop,
-        block_delete=queue.handling.block_delete,
-        units=tuple(axis.unit for axis in axes),
+        question=runner.question,
+        waits_for=runner.waits_for,
         step_word=step_word,
         carriages_mm=seen.carriages_mm,
         lost_steps=seen.lost_steps,
@@ -81,3 +87,26 @@ def snapshot(
         phases=report.phases,
         cut_short=loop.unfinished.place,
     )
+
+
+def _of_axes(axes: Sequence[Axis]) -> dict[str, Any]:
+    """What never changes."""
+    return {
+        "axes": tuple(axis.name for axis in axes),
+        "low_mm": tuple(axis.low_mm for axis in axes),
+        "high_mm": tuple(axis.high_mm for axis in axes),
+        "units": tuple(axis.unit for axis in axes),
+    }
+
+
+def _wanted(queue: MotionQueue) -> dict[str, Any]:
+    """What the operator chose, and whether what moves obeys."""
+    handling = queue.handling
+    return {
+        "obeys_override": not queue.report.running or queue.obeys_feed,
+        "override": handling.feed,
+        "rapid_override": handling.rapid,
+        "single_block": handling.single_block,
+        "optional_stop": handling.optional_stop,
+        "block_delete": handling.block_delete,
+    }

@@ -6,6 +6,8 @@ from enum import Enum
 from fraese.alarms import AlarmKind
 from fraese.blocks import OVERRIDES as OVERRIDES
 from fraese.blocks import RAPID_OVERRIDES as RAPID_OVERRIDES
+from fraese.config.work import ToolConfig
+from fraese.control.cutting import NO_CUTTING, Cutting
 from fraese.machine import three_decimals as three_decimals
 from fraese.phrases import joined, phrase
 from fraese.workframe import SYSTEMS, WorkFrame
@@ -68,6 +70,7 @@ class WorkFacts:
         tool: number of the tool in the spindle; 0: none, or not known.
         tool_offset_mm: in force, in the order of the axes; Z is the tool's length.
         tool_length_mm: that of Z; 0 without such an axis.
+        tool_diameter_mm: by the tool table; 0: it does not say.
     """
 
     system: str = SYSTEMS[0]
@@ -76,10 +79,11 @@ class WorkFacts:
     tool: int = 0
     tool_offset_mm: tuple[float, ...] = ()
     tool_length_mm: float = 0.0
+    tool_diameter_mm: float = 0.0
 
     @classmethod
-    def of(cls, frame: WorkFrame, tool: int) -> "WorkFacts":
-        """Of a frame and the tool in the spindle."""
+    def of(cls, frame: WorkFrame, tool: int, data: ToolConfig | None = None) -> "WorkFacts":
+        """Of a frame and the tool in the spindle; ``data``: what the tool table says of it."""
         return cls(
             system=SYSTEMS[frame.system - 1],
             g92=any(frame.g92),
@@ -87,6 +91,7 @@ class WorkFacts:
             tool=tool,
             tool_offset_mm=frame.tool,
             tool_length_mm=frame.tool[frame.axes.index("z")] if "z" in frame.axes else 0.0,
+            tool_diameter_mm=data.diameter_mm if data is not None else 0.0,
         )
 
     def words(self) -> str:
@@ -129,6 +134,7 @@ class MachineState:
         work_mm: work coordinates, with everything that ``work`` says.
         offset_mm: where the work zero lies, machine coordinates.
         work: what is in force.
+        cutting: feed and spindle of the program in hand, or of the last one.
         referenced: per axis.
         low_mm: soft limits; they count for a referenced axis; infinite on an endless one.
         high_mm: likewise.
@@ -152,6 +158,7 @@ class MachineState:
         optional_stop: M1 stops.
         block_delete: lines that begin with a slash are left out.
         question: what the operator is asked, with the job waiting; empty if nothing.
+        waits_for: what it waits for then, in a word: "tool 2".
         units: "mm" or "°", per axis.
         step_word: what one step is called: half-step, quarter-step, pulse.
         carriages_mm: of a simulated mill, where the carriages really are; empty at metal. To be
@@ -187,6 +194,7 @@ class MachineState:
     late_ticks: int = 0
     dry_queues: int = 0
     question: str = ""
+    waits_for: str = ""
     override: float = 1.0
     rapid_override: float = 1.0
     obeys_override: bool = True
@@ -194,6 +202,7 @@ class MachineState:
     optional_stop: bool = False
     block_delete: bool = False
     work: WorkFacts = WorkFacts()
+    cutting: Cutting = NO_CUTTING
     units: tuple[str, ...] = ()
     step_word: str = "step"
     carriages_mm: tuple[float, ...] = ()

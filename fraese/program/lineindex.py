@@ -1,12 +1,14 @@
 """The lines of a program for people: found once, read when they are looked at.
 
-Rule 1: memory is four bytes a line and a few pages, however long the file is.
+Rule 1: memory is four bytes a line and a few pages, however long the file is. Of a file in UTF-16
+        there is as much as it has letters: its lines begin nowhere that could be found again.
 Rule 2: a line is what ``gcode.text`` takes for one, with the same refusals.
 """
 
+from array import array
 from collections.abc import Iterator, Sequence
 from contextlib import closing
-from itertools import islice, pairwise
+from itertools import pairwise
 from typing import Final, overload
 
 import numpy as np
@@ -20,8 +22,6 @@ from fraese.program.content import Content
 _CHUNK_BYTES: Final = 1 << 20
 _PAGE: Final = 128
 _MOST_PAGES: Final = 16
-#: Lines of a file in UTF-16 that are kept, all in memory.
-_MOST_WIDE_LINES: Final = 200_000
 _LF: Final = 10
 _CR: Final = 13
 
@@ -39,11 +39,11 @@ class LineIndex(Sequence[str]):
     def __init__(self, content: Content) -> None:
         self._content = content
         self._pages: dict[int, list[str]] = {}
-        self._all: list[str] | None = None
+        # A file in UTF-16, as it would be in UTF-8.
+        self._narrow: bytearray | None = None
         if content.starts_with(WIDE_MARKS):
-            with closing(content.lines()) as lines:
-                self._all = list(islice(lines, _MOST_WIDE_LINES))
-            self._starts = np.zeros(len(self._all) + 1, np.uint32)
+            self._narrow = bytearray()
+            self._starts = self._narrowed(self._narrow)
         else:
             self._starts = self._found()
 
@@ -61,8 +61,6 @@ class LineIndex(Sequence[str]):
             index += len(self)
         if not 0 <= index < len(self):
             raise IndexError(index)
-        if self._all is not None:
-            return self._all[index]
         return self._page(index // _PAGE)[index % _PAGE]
 
     def __iter__(self) -> Iterator[str]:
@@ -82,7 +80,18 @@ class LineIndex(Sequence[str]):
             self._pages[number] = page
         return page
 
+    def _narrowed(self, narrow: bytearray) -> NDArray[np.uint32]:
+        """Put all lines there; where each begins, and the end of the last one."""
+        starts = array("I", [0])
+        with closing(self._content.lines()) as lines:
+            for line in lines:
+                narrow += f"{line}\n".encode(errors="surrogatepass")
+                starts.append(len(narrow))
+        return np.array(starts, np.uint32)
+
     def _bytes(self, start: int, end: int) -> bytes:
+        if self._narrow is not None:
+            return bytes(self._narrow[start:end])
         held = bytearray(end - start)
         count = self._content.read_at(start, memoryview(held))
         return bytes(held[:count])

@@ -210,8 +210,7 @@ class Program:
             controller.position.offsets.follow(history.in_force, history.put)
             try:
                 guarded = Survey(context, source).guard(history.watch(moves), str(self.path))
-                yield from translation.blocks(guarded)
-                yield STANDSTILL
+                yield from _cutting(controller, translation.blocks(guarded))
                 history.close()
             finally:
                 controller.position.offsets.replace(history.in_force()[0])
@@ -326,6 +325,23 @@ class Program:
             Cancelled: if it was given up.
         """
         return way_of(self.begun(context, from_line), given_up).lines(self.name)
+
+
+def _cutting(controller: Controller, job: Job) -> Job:
+    """The job to its standstill; if it is cut short, what was read ahead does not count.
+
+    Outputs are off then; a spindle that is switched by hand turns on.
+    """
+    cutting = controller.cutting
+    cutting.begin()
+    try:
+        yield from job
+        yield STANDSTILL
+    except BaseException:
+        played = controller.move_played()
+        cutting.end(played, is_off=not cutting.at(played).by_hand)
+        raise
+    cutting.end()
 
 
 def _frame_of(

@@ -20,8 +20,9 @@ from fraese.errors import ProgramError
 from fraese.gcode import canon
 from fraese.phrases import phrase
 from fraese.program.context import ProgramContext
+from fraese.program.numbers import Numbers
 from fraese.program.source import ProgramSource
-from fraese.program.translate import Moves, Numbers
+from fraese.program.translate import Moves
 from fraese.workframe import TOOL_NUMBER, Point
 
 #: After so many moves that are only read, the consumer gets a turn.

@@ -15,7 +15,7 @@ from typing import Any, Final
 from fraese import alarms
 from fraese.blocks import Block, WatchAction
 from fraese.control.controller import Controller
-from fraese.control.jobs import MOVE_BITS, STANDSTILL, TURN, Ask, Demand, Job, move_of
+from fraese.control.jobs import STANDSTILL, TURN, Ask, Demand, Job, move_of
 from fraese.control.softlimits import within_travel
 from fraese.errors import ProbeError
 from fraese.gcode import canon
@@ -23,6 +23,7 @@ from fraese.motor.seams import Ended, Report
 from fraese.phrases import phrase
 from fraese.planner.planner import Planner
 from fraese.program.context import ProgramContext
+from fraese.program.numbers import Numbers
 from fraese.program.sentences import (
     by_hand,
     coolant_in_words,
@@ -42,38 +43,6 @@ _LOOKED_BLOCK_S: Final = 1.0
 _LOOKED_BATCH_S: Final = 0.5
 #: Along these a beam burns.
 _CUTTING: Final = frozenset({canon.Feed, canon.Arc})
-
-
-class Numbers:
-    """The number of the move in hand, as a block's tag carries it.
-
-    Attributes:
-        high: the number of the last move, where it is in a tag; 0: before the first.
-        stride: what the next move adds; 0 on a way that is no part of the program.
-    """
-
-    def __init__(self) -> None:
-        self.high = 0
-        self.stride = 1 << MOVE_BITS
-
-    @property
-    def is_on_a_way(self) -> bool:
-        """What comes is no part of the program."""
-        return not self.stride
-
-    def pass_by(self) -> None:
-        """A move of the program that is not made."""
-        self.high += 1 << MOVE_BITS
-
-    def leave(self) -> None:
-        """A way begins; it counts as the move to which it leads."""
-        self.pass_by()
-        self.stride = 0
-
-    def come_back(self) -> None:
-        """The way is over; the next move is that to which it led."""
-        self.stride = 1 << MOVE_BITS
-        self.high -= self.stride
 
 
 class Translation:
@@ -97,6 +66,8 @@ class Translation:
         self._handling = None if controller is None else controller.handling
         # Overrides that the planner knows: of feeds, of rapids.
         self._factors = (1.0, 1.0)
+        # Feed of the last motion that has one; 0: none yet.
+        self._feed_mm_min = 0.0
         # Line of the last motion; 0: none yet.
         self._line = 0
         self._has_turned = False
@@ -148,6 +119,8 @@ class Translation:
                 yield from self._leave_contact(move)
             else:
                 feed_mm_min = move.feed_mm_min if kind is feed else None
+                if kind is feed and feed_mm_min != self._feed_mm_min:
+                    self._note_feed(move.feed_mm_min)
                 for block in line(move.to, feed_mm_min, high | move.line):
                     yield block
                     self._follow_override()
@@ -159,8 +132,27 @@ class Translation:
         before, self._line = self._line, move.line
         if before and self._handling is not None and self._handling.single_block:
             yield from _each(self.planner.drain())
-            yield Ask(phrase("Single block: line {line} comes next.", line=move.line), admits=False)
+            yield Ask(
+                phrase("Single block: line {line} comes next.", line=move.line),
+                admits=False,
+                waits_for=phrase("line {line}", line=move.line),
+            )
         return None
+
+    def _note_feed(self, feed_mm_min: float) -> None:
+        """From the move in hand on it is this."""
+        self._feed_mm_min = feed_mm_min
+        self._note(feed_mm_min=feed_mm_min)
+
+    def _note(self, **changes: Any) -> None:
+        controller = self._controller
+        if controller is not None:
+            played = controller.move_played()
+            controller.cutting.note(move_of(self.numbers.high), played, **changes)
+
+    def _note_spindle(self, move: canon.Spindle, *, by_hand: bool) -> None:
+        direction = move.direction if move.is_on else 0
+        self._note(direction=direction, rev_min=move.rev_min, by_hand=by_hand)
 
     def _tag(self, move: canon.Move) -> int:
         """Names the move in the driver's reports."""
@@ -177,6 +169,8 @@ class Translation:
     # --- moves ---------------------------------------------------------------------------------
 
     def _arc(self, move: canon.Arc) -> Part:
+        if move.feed_mm_min != self._feed_mm_min:
+            self._note_feed(move.feed_mm_min)
         for block in self.planner.arc(
             move.to, move.centre, move.plane, move.turns, move.feed_mm_min, self._tag(move)
         ):
@@ -207,11 +201,13 @@ class Translation:
     # --- what hangs on outputs -----------------------------------------------------------------
 
     def _spindle(self, move: canon.Spindle) -> Part:
-        on = move.is_on
+        on, outputs = move.is_on, self._context.config.outputs
+        if outputs.mask("laser", "spindle"):
+            self._note_spindle(move, by_hand=False)
         if self._laser:
             self._beam = on
             return (yield from self._shine(self._shines and on))
-        if self._context.config.outputs.mask("spindle"):
+        if outputs.mask("spindle"):
             if on is not self._spins:
                 self._spins = on
                 yield from self._switch("spindle", on)
@@ -219,12 +215,15 @@ class Translation:
                     spin_up_s = self._context.config.run.spin_up_s
                     yield from _each(self.planner.dwell(spin_up_s, self._tag(move)))
             return None
-        text = spindle_in_words(move)
+        text, facts = spindle_in_words(move), None
         if self._is_to_be_confirmed(on):
-            return (yield from self._ask(phrase("{text}: confirm.", text=text), move))
+            question = phrase("{text}: confirm.", text=text)
+            facts = yield from self._ask(question, move, phrase("spindle"))
         else:
             self._say(by_hand(move, text))
-        return None
+        # Before it was confirmed nobody says that it turns.
+        self._note_spindle(move, by_hand=True)
+        return facts
 
     def _shine(self, on: bool) -> Part:
         """The beam, without a stop: it changes with the first tick of the next move."""
@@ -259,12 +258,14 @@ class Translation:
     def _pause(self, move: canon.Pause) -> Part:
         if move.optional and not (self._handling and self._handling.optional_stop):
             return None
-        return (yield from self._ask(stop_question(move), move))
+        word = "M1" if move.optional else "M0"
+        return (yield from self._ask(stop_question(move), move, word))
 
     def _tool(self, move: canon.Tool) -> Part:
-        return (yield from self._ask(tool_question(move), move))
+        word = phrase("tool {number}", number=move.number)
+        return (yield from self._ask(tool_question(move), move, word))
 
-    def _ask(self, question: str, move: canon.Move) -> Part:
+    def _ask(self, question: str, move: canon.Move, waits_for: str) -> Part:
         yield from _each(self.planner.drain())
         controller = self._controller
         if controller is None:
@@ -273,9 +274,9 @@ class Translation:
         visit = Visit(controller, self._context)
         self.visited, self.visited_at = (lambda: visit.changed), move_of(self.numbers.high)
         tag = self._tag(move)
-        yield Ask(question, tag=tag)
+        yield Ask(question, tag=tag, waits_for=waits_for)
         while (back := visit.show()) is not None:
-            yield Ask(back.question, tag=tag)
+            yield Ask(back.question, tag=tag, waits_for=phrase("way back"))
         if visit.is_nothing:
             return None
         at = controller.position

@@ -13,9 +13,9 @@ from fraese.errors import Cancelled
 from fraese.gcode import canon
 from fraese.machine import Machine, Millimetres
 from fraese.phrases import joined, phrase
+from fraese.program.numbers import Numbers
 from fraese.program.runfromline import Beginning
 from fraese.program.source import ProgramSource
-from fraese.program.translate import Numbers
 
 
 class Leg(NamedTuple):

@@ -1,6 +1,6 @@
 """What is said before a program starts: bounds, tools, time, the machine, and what is wrong."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from fraese.control.state import MachineState, three_decimals
@@ -46,13 +46,16 @@ class Problem:
         return f"{'✗' if self.stops else '!'} {place}{shown(self.text)}"
 
 
-def lines(facts: Facts, state: MachineState, shape: Shape) -> list[Line]:
+def lines(
+    facts: Facts, state: MachineState, shape: Shape, tried: Collection[str] = ()
+) -> list[Line]:
     """The facts, one below the other.
 
     Args:
         facts: of the look-through.
         state: of the machine.
         shape: which axes it has.
+        tried: names of the end switches that were pressed by hand, and seen.
     """
     return [
         *_bounds(facts, state, shape),
@@ -61,7 +64,7 @@ def lines(facts: Facts, state: MachineState, shape: Shape) -> list[Line]:
         Line(spoken("spindle"), _spindle(facts)),
         Line(spoken("stops"), _stops(facts, state)),
         _referenced(state),
-        Line(spoken("switches"), _switches(state), "-alarm" if state.switch_closed else ""),
+        _switches(state, shape, tried),
         Line(spoken("zero"), f"{state.work.system}{shown(state.work.more())}"),
     ]
 
@@ -196,9 +199,21 @@ def _referenced(state: MachineState) -> Line:
     return Line(spoken("referenced"), spoken("all axes"), "-good")
 
 
-def _switches(state: MachineState) -> str:
+def _switches(state: MachineState, shape: Shape, tried: Collection[str]) -> Line:
+    ends = shape.ends
     said = switch_words(state)
-    return spoken("{said}, IGNORED", said=said) if state.switch_ignored else said
+    if state.switch_ignored:
+        said = spoken("{said}, IGNORED", said=said)
+    count = len(set(ends) & set(tried))
+    if ends and not count:
+        said = spoken("{said}, none of {ends} tried by hand", said=said, ends=len(ends))
+    elif ends:
+        said = spoken(
+            "{said}, {count} of {ends} tried by hand", said=said, count=count, ends=len(ends)
+        )
+    is_alarm = state.switch_closed or state.switch_ignored
+    tone = "-alarm" if is_alarm else "" if count == len(ends) else "-warn"
+    return Line(spoken("switches"), said, tone)
 
 
 def may_start(found: Sequence[Problem]) -> bool:

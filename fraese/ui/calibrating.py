@@ -28,8 +28,8 @@ class Writer(Protocol):
     def path(self) -> str:
         """Of the file that counts, or that would be made."""
 
-    def write(self, values: Mapping[str, Value]) -> None:
-        """Change these keys.
+    def write(self, values: Mapping[str, Value | None]) -> None:
+        """Change these keys; None takes a key away.
 
         Raises:
             ConfigError: if it cannot; the file is unchanged.

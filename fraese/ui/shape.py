@@ -59,6 +59,11 @@ class Shape:
         return tuple(axis.name for axis in self.axes if axis.has_switches)
 
     @property
+    def ends(self) -> tuple[str, ...]:
+        """Names of the end switches: "xmin", "xmax" ..."""
+        return tuple(name + end for name in self.names_with_switches for end in ("min", "max"))
+
+    @property
     def units(self) -> tuple[str, ...]:
         """Each unit once, millimetres first."""
         return tuple(sorted({axis.unit for axis in self.axes}, key="mm°".find))

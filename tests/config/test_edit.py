@@ -1,12 +1,13 @@
 """The configuration file, changed in place: comments stay, what would be refused is not written."""
 
 import stat
+from collections.abc import Mapping
 from decimal import Decimal
 from pathlib import Path
 
 import pytest
 
-from fraese.config.edit import Value, file_to_write, set_keys
+from fraese.config.edit import Change, Value, file_to_write, set_keys
 from fraese.config.file import load
 from fraese.errors import ConfigError
 
@@ -25,7 +26,7 @@ enabled = true
 """
 
 
-def written(path: Path, text: str, values: dict[str, Value]) -> str:
+def written(path: Path, text: str, values: Mapping[str, Change]) -> str:
     path.write_text(text, "utf-8")
     set_keys(path, values)
     return path.read_text("utf-8")
@@ -124,3 +125,14 @@ def test_without_a_file_one_is_made_where_it_counts(
     assert file_to_write() == path
     Path("fraese.toml").write_text("", "utf-8")
     assert file_to_write() == Path("fraese.toml")
+
+
+def test_a_key_is_taken_away_and_so_is_a_table_the_rest_stays(tmp_path: Path) -> None:
+    path = tmp_path / "fraese.toml"
+    text = COMMENTED + "\n[tools.1] # short\nlength_mm = 3\n\n[tools.2] # long\nlength_mm = 9\n"
+    assert written(path, text, {"tools.1": None}) == text.replace(
+        "[tools.1] # short\nlength_mm = 3\n\n", ""
+    )
+    set_keys(path, {"axes.x.pitch_mm": None, "tools.2": None})
+    assert load(path).tools == {}
+    assert "# measured in May" in path.read_text("utf-8")

@@ -12,10 +12,10 @@ from fraese.control.state import Status
 from fraese.errors import ProgramError
 from fraese.gcode import canon
 from fraese.program.context import ProgramContext
+from fraese.program.numbers import Numbers
 from fraese.program.program import open_program
 from fraese.program.runfromline import Beginning, Place
 from fraese.program.source import ProgramSource
-from fraese.program.translate import Numbers
 from tests.helpers import homed, program, run_program
 from tests.program.test_probing import standing_at, touching
 

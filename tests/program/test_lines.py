@@ -51,6 +51,16 @@ def test_lines_are_those_of_the_language(
         index[len(index)]
 
 
+def test_a_long_file_in_utf_16_is_there_to_its_end(tmp_path: Path) -> None:
+    """As an editor of another system writes it: what lies far behind is shown, too."""
+    count = 250_000
+    text = "".join(f"G1 X{n}\r\n" for n in range(count))
+    index, _ = index_of(tmp_path, text.encode("utf-16"))
+    assert len(index) == count
+    assert index[count - 1] == f"G1 X{count - 1}"
+    assert index[200_000:200_002] == ["G1 X200000", "G1 X200001"]
+
+
 @pytest.mark.parametrize(
     "held", [b"G0\nG1\0\n", b"a\n" + b"x" * 4097, b"\n\n" + "Ü".encode() * 4097 + b"\nb"]
 )

@@ -30,6 +30,7 @@ from fraese.program.check import Complaint
 from fraese.program.wants import Wants
 from fraese.ui import FraeseApp
 from fraese.ui.dialogs.start import StartDialog
+from fraese.ui.room import HEIGHTS
 from fraese.ui.views.machine import MachineView
 from fraese.ui.widgets.fact import Fact
 
@@ -203,6 +204,9 @@ class Bench:
         dialog = self.app.screen
         assert isinstance(dialog, StartDialog)
         await self.wait(lambda: dialog.focused is not None)
+        # It knows by then how much room there is: nothing in it moves any more.
+        await self.wait(lambda: any(dialog.has_class(name) for _, name in HEIGHTS))
+        await self.pilot.pause()
         return dialog
 
     async def long_move(self) -> None:

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 from textual.widgets import Input
 
-from fraese.ui.dialogs.byhand import OffsetsDialog, ProbeDialog, SetDialog, TypedDialog
+from fraese.ui.dialogs.byhand import ProbeDialog, SetDialog, TypedDialog
+from fraese.ui.dialogs.tables import OffsetsDialog
 from fraese.ui.linehistory import MOST_LINES, LineHistory
 from fraese.ui.widgets.fact import Fact
 from tests.helpers import touching_at

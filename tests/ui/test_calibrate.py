@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import pytest
+from textual.widgets import Input
 
 from fraese.control.calibration.figures import Figures
 from fraese.control.calibration.repeat import Repeatability
@@ -96,7 +97,7 @@ def test_travel_repeatability_and_what_is_refused() -> None:
         async with bench(size=(120, 40), config=MILL) as b:
             await b.press("f4")
             await opens(b, "m")
-            assert "X is referenced at x's end switch" in b.app.screen.query(Fact)[1].text
+            assert "X is referenced at its end switch" in b.app.screen.query(Fact)[1].text
             await settled(b, "enter")
             assert "33.200" in words(b, "finding")
             assert "axes.x.travel_mm: 40 becomes 33.2" in words(b, "proposal")
@@ -212,3 +213,24 @@ def test_signs_do_not_depend_on_colour() -> None:
     assert [line.split()[:3] for line in histogram(found, 40)] == [
         ["-0.0050", "mm", "1"], ["+0.0000", "mm", "2"], ["+0.0050", "mm", "1"]
     ]  # fmt: skip
+
+
+def test_what_the_machine_refuses_is_said_in_the_dialog_and_can_be_mended() -> None:
+    async def scene() -> None:
+        async with bench(config=MILL) as b:
+            await b.press("f4")
+            await opens(b, "p")
+            dialog = b.app.screen
+            complaint = dialog.query_one("#complaint", Fact)
+            way = dialog.query_one("#field-way", Input)
+            way.value = "0.0001"
+            await settled(b, "enter")
+            await b.wait(lambda: "at least one step" in complaint.text)
+            assert b.app.screen is dialog
+            assert b.moved_steps == (0, 0, 0)
+            way.value = "2"
+            await b.press("enter")
+            await b.wait(lambda: b.app.screen is not dialog)
+            await b.wait(lambda: bool(b.drawn.question))
+
+    play(scene)

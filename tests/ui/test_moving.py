@@ -430,7 +430,7 @@ def test_the_feed_override_follows_its_keys() -> None:
         async with bench(size=(80, 24)) as b:
             await b.press("comma", "comma", "comma")
             assert b.plant.controller.handling.feed == pytest.approx(0.7)
-            await b.wait(lambda: "70%" in b.text("#feed"))
+            await b.wait(lambda: "feed 70%" in b.text("#work"))
             await b.press(*["full_stop"] * 20)
             assert b.plant.controller.handling.feed == 2
             await b.press("equals_sign")

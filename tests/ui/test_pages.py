@@ -14,6 +14,8 @@ from fraese.ui.dialogs.switches import SwitchPage
 from fraese.ui.views.machine import PICTURES, MachineView
 from fraese.ui.widgets.links import Link
 from fraese.ui.widgets.path import PathView
+from fraese.ui.widgets.programpane import ProgramPane
+from fraese.ui.widgets.toolpath import Toolpath
 from tests.ui.helpers import Bench, FakeFacts, FakeProgram, bench, play
 
 
@@ -252,12 +254,13 @@ def test_pictures_show_what_they_are_for() -> None:
         async with bench() as b:
             screen = b.app.screen
             assert screen.query_one("#hand").display
-            assert not screen.query_one(PathView).display
+            assert not screen.query_one(ProgramPane).display
             await b.jog("right")
             assert "machine     1.000" in b.text("#axis-x .beside")
             await b.press("v")
             assert not screen.query_one("#hand").display
-            assert screen.query_one(PathView).display
+            assert screen.query_one(ProgramPane).display
+            assert not screen.query_one(Toolpath).display
             await b.jog("right")
             assert "machine     2.000" in b.text("#axis-x .under")
             await b.press("v")
@@ -265,8 +268,10 @@ def test_pictures_show_what_they_are_for() -> None:
             for width, height in ((120, 40), (200, 60), (20, 5), (300, 100), (80, 24)):
                 await b.pilot.resize_terminal(width, height)
                 await b.pilot.pause(0.1)
-                both = screen.query_one("#hand").display and screen.query_one(PathView).display
+                pane = screen.query_one(ProgramPane)
+                both = screen.query_one("#hand").display and pane.display
                 assert both == (width >= 120)
+                assert not both or pane.toolpath.region.bottom <= pane.listing.region.y
                 assert width < 80 or clipped(b) == []
                 assert screen.query_one("#keys").region.bottom <= height
                 assert screen.query_one("#axis-x AxisNumber").size.width <= width

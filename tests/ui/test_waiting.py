@@ -111,9 +111,9 @@ def test_what_is_in_force_where_the_motors_are_is_shown_and_named(tmp_path: Path
             b.app.link.order_of(part.start)
             for question, said, x_mm in (
                 ("line 5", "G55", 12.0),
-                ("put in tool 2", "G55, G92", 5.0),
-                ("line 8", "G55, G92, tool 2", 5.0),
-                ("line 11", "tool 2", 2.0),
+                ("put in tool 2", "G55  G92", 5.0),
+                ("line 8", "G55  G92  T2", 5.0),
+                ("line 11", "G54  T2", 2.0),
             ):
                 await asked(b, question)
                 await b.wait(lambda said=said: b.text("#work") == said)  # type: ignore[misc]

@@ -175,7 +175,8 @@ class BacklashTest:
                 " {with_unit} on and the same way back.",
                 name=axis.name.upper(),
                 with_unit=axis.with_unit(abs(axis.to_mm(way))),
-            )
+            ),
+            waits_for=phrase("gauge"),
         )
         yield from moves.go(way, feed)
         yield from moves.go(-way, feed)

@@ -133,7 +133,8 @@ class StepSizeTest:
                     " {with_unit}.",
                     name=axis.name.upper(),
                     with_unit=axis.with_unit(axis.to_mm(way)),
-                )
+                ),
+                waits_for=phrase("mark"),
             )
         yield from self._moves.go(way, feed)
         self.commanded_mm = axis.to_mm(way)

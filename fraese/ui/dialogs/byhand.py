@@ -1,14 +1,12 @@
-"""Lines of Move: G-code and places, the present position, work offsets, probing."""
+"""Lines of Move: G-code and places, the present position, probing."""
 
 import re
-from collections.abc import Sequence
 from typing import Final
 
 from textual.app import ComposeResult
 
 from fraese.axiswords import axis_words, target, with_points
 from fraese.control.controller import Controller
-from fraese.control.workcommands import select_system, store_system, systems
 from fraese.errors import UsageError
 from fraese.phrases import comma_is_decimal, spoken
 from fraese.ui.dialogs.line import Command, LineDialog
@@ -16,7 +14,7 @@ from fraese.ui.handtools import HandTools
 from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.linehistory import LineHistory
 from fraese.ui.machinelink import MachineLink
-from fraese.ui.widgets.fact import Fact, Lines
+from fraese.ui.widgets.fact import Fact
 
 _HALF: Final = re.compile(r"([a-z])\s*/\s*2", re.IGNORECASE)
 #: Under these names it is remembered.
@@ -97,74 +95,6 @@ class SetDialog(LineDialog):
                 controller.set_zero((name,), value)
 
         return change
-
-
-class OffsetsDialog(LineDialog):
-    """The nine work offsets: chosen, changed, cleared."""
-
-    AREA = Area.OFFSETS
-    HEADING = spoken("Work offsets: their zeros in machine coordinates")
-    YES = spoken("Do it")
-
-    def __init__(self, keys: KeyTable, link: MachineLink, axes: Sequence[str]) -> None:
-        example = spoken("G55 (choose)   or   G55 X10 Y5 (change)   or   G55 clear")
-        super().__init__(keys, link, example=example)
-        self._axes = axes
-        self._list = Lines("", id="systems")
-
-    def inner(self) -> ComposeResult:
-        """All nine, and the line."""
-        yield self._list
-        yield from super().inner()
-
-    def on_mount(self) -> None:
-        """How they are now."""
-        super().on_mount()
-        self._ask()
-
-    def _ask(self) -> None:
-        if not self.link.order_of(self._tell):
-            self.complain(spoken("The machine runs: its work offsets cannot be changed now."))
-
-    def _tell(self, controller: Controller) -> None:
-        chosen = controller.state().work.system
-        self.call_later(self._show, systems(controller), chosen)
-
-    def _show(self, found: list[tuple[str, tuple[float, ...]]], chosen: str) -> None:
-        cells = [
-            f"{'▶' if name == chosen else ' '}{name:5}"
-            + " ".join(
-                f"{axis.upper()}{value:8.3f}"
-                for axis, value in zip(self._axes, values, strict=True)
-            )
-            for name, values in found
-        ]
-        half = -(-len(cells) // 2)
-        width = max(map(len, cells)) + 2
-        self._list.show(
-            "\n".join(
-                "".join(cell.ljust(width) for cell in cells[row::half]) for row in range(half)
-            )
-        )
-
-    def command(self, line: str) -> Command:
-        """Choose, change or clear one."""
-        name, _, rest = line.upper().partition(" ")
-        rest = rest.strip()
-        values = {} if rest == "CLEAR" or not rest else axis_words(rest, self._axes)
-
-        def change(controller: Controller) -> None:
-            if rest:
-                store_system(controller, name, values)
-            else:
-                select_system(controller, name)
-            self._tell(controller)
-
-        return change
-
-    def taken(self, line: str) -> None:
-        """The next one."""
-        self.put("")
 
 
 class ProbeDialog(LineDialog):

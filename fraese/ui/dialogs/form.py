@@ -42,7 +42,8 @@ class FormDialog(Dialog[Words]):
         what: what will be done.
         fields: the values.
         yes: word on the button.
-        check: refuses values by raising; the dialog stays then.
+        check: refuses values by raising; the dialog stays then. ``False``: whoever checks closes
+            the dialog, or complains, as soon as he knows.
     """
 
     AREA = Area.FORM
@@ -54,7 +55,7 @@ class FormDialog(Dialog[Words]):
         what: str,
         fields: Sequence[Field] = (),
         yes: str = spoken("Start"),
-        check: Callable[[Words], object] = lambda words: None,
+        check: Callable[[Words], bool | None] = lambda words: None,
     ) -> None:
         super().__init__(keys)
         self.HEADING, self.YES = heading, yes
@@ -84,12 +85,14 @@ class FormDialog(Dialog[Words]):
             field.name: self.query_one(f"#field-{field.name}", Input).value.strip()
             for field in self._fields
         }
+        self.complain("")
         try:
-            self._check(words)
+            is_over = self._check(words)
         except FraeseError as error:
             self.complain(str(error))
             return
-        self.dismiss(words)
+        if is_over is not False:
+            self.dismiss(words)
 
 
 def number(words: Words, name: str, what: str) -> float:

@@ -17,6 +17,7 @@ class HelpPage(Page[None]):
     """Keys by group."""
 
     AREA = Area.HELP
+    COVERS = True
 
     def compose(self) -> ComposeResult:
         """Heading, groups, notes."""

@@ -69,6 +69,7 @@ class OpenDialog(Dialog[Path]):
     """
 
     AREA = Area.OPEN
+    COVERS = True
     HEADING = spoken("Open a program")
     YES = spoken("Open")
 

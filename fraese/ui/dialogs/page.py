@@ -9,6 +9,7 @@ from textual.screen import ModalScreen
 from fraese.control.state import MachineState
 from fraese.ui.bindings import bind
 from fraese.ui.keyrows import Area, KeyTable
+from fraese.ui.room import HEIGHTS, WIDTHS
 
 R = TypeVar("R")
 
@@ -21,6 +22,10 @@ class Page(ModalScreen[R | None]):
     """
 
     AREA: Area
+    #: In a small terminal it lies over the numbers of Move.
+    COVERS = False
+    HORIZONTAL_BREAKPOINTS = WIDTHS
+    VERTICAL_BREAKPOINTS = HEIGHTS
 
     def __init__(self, keys: KeyTable) -> None:
         super().__init__()

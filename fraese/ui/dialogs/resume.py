@@ -27,6 +27,7 @@ class ResumeDialog(Dialog[int]):
     """
 
     AREA = Area.RESUME
+    COVERS = True
     HEADING = spoken("Go on with a program")
     YES = spoken("Go on")
 

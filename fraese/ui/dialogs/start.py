@@ -1,5 +1,6 @@
 """The one question before a program starts: everything that is known of it, at a glance."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Final
@@ -54,9 +55,11 @@ class StartDialog(Dialog[Decision]):
         state: how it stands.
         scene: what is drawn.
         news: what became of the program's file; empty: nothing.
+        tried: end switches that were pressed by hand, and seen.
     """
 
     AREA = Area.START
+    COVERS = True
     YES = spoken("Start")
 
     def __init__(
@@ -67,13 +70,14 @@ class StartDialog(Dialog[Decision]):
         state: MachineState,
         scene: Scene,
         news: str = "",
+        tried: Collection[str] = (),
     ) -> None:
         super().__init__(keys)
         facts = program.facts
         assert facts is not None
         self.HEADING = spoken("Start {name}", name=program.name)
         self._count = len(program.lines)
-        self._lines: list[Line] = lines(facts, state, shape)
+        self._lines: list[Line] = lines(facts, state, shape, tried)
         self._problems: list[Problem] = problems(facts, state, news)
         self._may_start = may_start(self._problems)
         self._moves = facts.low_mm is not None
@@ -104,6 +108,7 @@ class StartDialog(Dialog[Decision]):
                 id="from-line",
                 max_length=_LONGEST,
                 type="integer",
+                valid_empty=True,
                 compact=True,
             )
 
@@ -155,6 +160,7 @@ class WayDialog(Dialog[bool]):
     """
 
     AREA = Area.START_THERE
+    COVERS = True
     HEADING = spoken("Start in the middle")
     YES = spoken("Go")
 

@@ -42,6 +42,7 @@ class SwitchPage(LivePage[None]):
     """
 
     AREA = Area.SWITCHES
+    COVERS = True
 
     def __init__(
         self,

@@ -98,7 +98,7 @@ AFTERWARDS: Final = (
         " press.", "Position",
     ),
     Row(
-        Area.MACHINE, "u", "u", "resume", "Resume program …",
+        Area.RUNNING, "u", "u", "resume", "Resume program …",
         "Go on with the program that was cut short by a stop, an alarm or a crash, or some moves"
         " earlier; what it will do is shown first.", "Program",
     ),

@@ -25,6 +25,7 @@ class Area(Enum):
     TYPED = "type a line"
     SET = "set the position"
     OFFSETS = "work offsets"
+    TOOLS = "tools"
     PROBE = "probe"
     REFERENCE = "reference"
     OPEN = "open a program"

@@ -12,18 +12,12 @@ from fraese.ui.programs import Program, Resumption
 from fraese.ui.views.view import View
 
 
-class AfterFaults(View):
-    """Goes on with programs, and settles what a crash has left."""
+class GoesOn(View):
+    """Goes on with programs that were cut short."""
 
     @abstractmethod
     def put(self, path: Path, program: Program) -> None:
         """This one is loaded now, and shown."""
-
-    @abstractmethod
-    def action_reference(self) -> None:
-        """Ask which axes."""
-
-    # --- programs --------------------------------------------------------------------------------
 
     def action_resume(self) -> None:
         """Show how the program that was cut short would be gone on with."""
@@ -48,7 +42,13 @@ class AfterFaults(View):
         taken = self.desk.link.order_of(lambda controller: resumption.start(controller, back))
         self.expect(taken)
 
-    # --- position --------------------------------------------------------------------------------
+
+class AfterFaults(View):
+    """Settles what a crash has left of the position."""
+
+    @abstractmethod
+    def action_reference(self) -> None:
+        """Ask which axes."""
 
     def offer_position(self) -> None:
         """At the start: what a crash has left is settled first, if there was one."""

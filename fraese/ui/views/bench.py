@@ -19,8 +19,8 @@ from fraese.ui.widgets.fact import Paragraph
 RATES_HZ: Final = (1, 2, 5, 10, 25, 50, 100, 200)
 _FIRST_RATE: Final = 3
 _TURN_STEPS: Final = 8
-#: From so many rows on there is room for dials; a picture of the lines takes ten.
-_DIAL_ROWS, _WAVE_ROWS = 26, 10
+#: From so many rows on there is room for dials; a picture of the lines takes so many at most.
+_DIAL_ROWS, _WAVE_ROWS = 26, 20
 
 
 class BenchView(View):
@@ -48,7 +48,7 @@ class BenchView(View):
         """Somebody looks: the lines are listened to."""
         self._wants_lines = True
         self._listen()
-        self._show_again()
+        self.show_again()
 
     def on_screen_suspend(self) -> None:
         """Nobody looks."""
@@ -77,7 +77,10 @@ class BenchView(View):
             return
         self._listen()
         facts = bench.look()
-        width, rows = max(60, self._text.size.width), self.query_one("#bench").size.height
+        width, rows = (
+            max(60, self.query_one("#bench").size.width),
+            self.query_one("#bench").size.height,
+        )
         lines = [*self._lines(facts, state, width), ""]
         if rows >= _DIAL_ROWS:
             lines += [*lamps.dials(facts.motors), ""]
@@ -117,12 +120,12 @@ class BenchView(View):
     def action_motor(self, by: int) -> None:
         """Another one."""
         self._at = (self._at + by) % len(self.desk.link.shape.axes)
-        self._show_again()
+        self.show_again()
 
     def action_rate(self, by: int) -> None:
         """Slow motion, slower or faster."""
         self._rate = min(max(self._rate + by, 0), len(RATES_HZ) - 1)
-        self._show_again()
+        self.show_again()
 
     def action_turn(self, steps: int) -> None:
         """So many steps."""
@@ -176,7 +179,7 @@ class BenchView(View):
         else:
             self._pressed = self._axis + "min"
             hand(self._pressed, True)
-        self._show_again()
+        self.show_again()
 
     def action_block(self) -> None:
         """Hold the carriage, or let it go."""
@@ -186,4 +189,4 @@ class BenchView(View):
             return
         held = bench.look().motors[self._at].is_blocked
         bench.block(self._axis, not held)
-        self._show_again()
+        self.show_again()

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 
 from fraese.control.workcommands import go_to_zero
 from fraese.phrases import spoken
-from fraese.ui.dialogs.byhand import OffsetsDialog, ProbeDialog, SetDialog, TypedDialog
+from fraese.ui.dialogs.byhand import ProbeDialog, SetDialog, TypedDialog
 from fraese.ui.dialogs.heldkey import HeldKeyPage
 from fraese.ui.dialogs.macro import MacroDialog
+from fraese.ui.dialogs.tables import OffsetsDialog, ToolsDialog
 from fraese.ui.macros import Macro
 from fraese.ui.views.afterfaults import AfterFaults
 from fraese.ui.views.view import BUSY
@@ -74,6 +75,13 @@ class ByHand(AfterFaults):
             self.refuse(BUSY)
         else:
             self.app.push_screen(HeldKeyPage(self.desk.keys, self.desk.strokes))
+
+    def action_tools(self) -> None:
+        """The tool table."""
+        desk = self.desk
+        writer = desk.writer
+        write, path = (None, "") if writer is None else (writer.write, writer.path)
+        self.app.push_screen(ToolsDialog(desk.keys, desk.link, write, path))
 
     def action_probe(self) -> None:
         """Which cycle."""

@@ -2,20 +2,20 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Final
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 
 from fraese.control.calibration.frequency import FrequencyTest
 from fraese.control.calibration.stepsize import StepSizeTest
-from fraese.control.calibration.sweep import Wish
+from fraese.control.controller import Controller
 from fraese.control.state import MachineState, Status
 from fraese.errors import FraeseError, UsageError
 from fraese.phrases import shown, spoken
-from fraese.ui.calibrating import ROUTINES, STAGES, Calibration, Routine, Test
+from fraese.ui.calibrating import ROUTINES, Calibration, Routine, Test
+from fraese.ui.dialogs import frequency
 from fraese.ui.dialogs.consent import ConsentDialog
-from fraese.ui.dialogs.form import Field, FormDialog, Words, number, number_or_none, whole
+from fraese.ui.dialogs.form import Field, FormDialog, Words, number, whole
 from fraese.ui.dialogs.reference import Reference, ReferenceDialog
 from fraese.ui.dialogs.switches import SwitchPage
 from fraese.ui.keyrows import Area
@@ -26,11 +26,9 @@ from fraese.ui.widgets.fact import Fact, Paragraph
 from fraese.ui.widgets.findings import finding, proposed
 from fraese.ui.widgets.links import Link
 
-_YES: Final = "yes"
-
-
-#: From so many rows on there is room for what a routine does beside what it has found.
-_ROOMY_ROWS: Final = 32
+#: From so many rows on there is room for what a routine does beside what it has found; and, while
+#: nothing was found, for what all of them do.
+_ROOMY_ROWS, _GUIDE_ROWS = 32, 45
 
 
 class CalibrateView(View):
@@ -41,7 +39,8 @@ class CalibrateView(View):
 
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk)
-        self.calibration = Calibration(desk.link.order_of)
+        self.calibration = Calibration(self._order)
+        self._form_dialog: FormDialog | None = None
         self._at = 0
         self._routine = ROUTINES["reference"]
         # A way was made, and how far it went is to be asked when it is over.
@@ -106,11 +105,14 @@ class CalibrateView(View):
 
     def _show_found(self, *, running: bool) -> None:
         # A scroll bar may come to it.
-        calibration, width = self.calibration, max(30, self._finding.size.width - 2)
+        calibration, width = self.calibration, max(30, self.query_one("#found").size.width - 2)
         test = calibration.test if calibration.last == self._routine.name else None
         what = self._what_words(self._routine)
         self._what.show(what if test is None or self.size.height >= _ROOMY_ROWS else "")
-        lines = [] if test is None else finding(test, width, running=running)
+        if test is not None:
+            lines = finding(test, width, running=running)
+        else:
+            lines = self._guide() if self.size.height >= _GUIDE_ROWS else []
         self._finding.show("\n".join(lines))
         more: Sequence[str] = ()
         if test is not None and not running:
@@ -127,8 +129,7 @@ class CalibrateView(View):
         self._proposal.show("\n".join(more))
 
     def _tried_words(self) -> str:
-        shape, tried = self.desk.link.shape, self.desk.link.switches_tried
-        ends = [name + end for name in shape.names_with_switches for end in ("min", "max")]
+        ends, tried = self.desk.link.shape.ends, self.desk.link.switches_tried
         if not ends:
             return ""
         return spoken("switches tried\n") + "\n".join(
@@ -136,21 +137,25 @@ class CalibrateView(View):
             for at in range(0, len(ends), 2)
         )
 
+    def _guide(self) -> list[str]:
+        """What the others do: there is room, and nothing has been found."""
+        others = [each for each in ROUTINES.values() if each is not self._routine]
+        return [line for each in others for line in (each.title, self._what_words(each), "")]
+
     def _what_words(self, routine: Routine) -> str:
-        home = spoken("{name}'s end switch", name=self.axis.name)
-        return routine.what.format(axis=self.axis.letter, home=home)
+        return routine.what.format(axis=self.axis.letter, home=spoken("its end switch"))
 
     # --- choosing --------------------------------------------------------------------------------
 
     def action_axis(self, by: int) -> None:
         """Another axis."""
         self._at = (self._at + by) % len(self.desk.link.shape.axes)
-        self._show_again()
+        self.show_again()
 
     def action_routine(self, name: str) -> None:
         """Show what it does, and ask for what it needs."""
         self._routine = routine = ROUTINES[name]
-        self._show_again()
+        self.show_again()
         if self.desk.link.moving:
             self.refuse(BUSY)
         elif routine.by_switch and not self.axis.has_switches:
@@ -194,32 +199,58 @@ class CalibrateView(View):
             ]
             self._form(name, fields, self._repeat)
         else:
-            self._form(name, self._frequency_fields(), self._frequency)
+            self._form(name, frequency.fields(self.axis), self._frequency)
 
     def _form(self, name: str, fields: Sequence[Field], begin: Callable[[Words], bool]) -> None:
-        """Ask, and begin; what is wrong with a value is said in the dialog."""
+        """Ask, and begin; what is wrong with a value is said in the dialog, and it stays."""
         routine, inputs = ROUTINES[name], self.desk.inputs
-        done: list[bool] = []
 
         def remembered(field: str) -> str:
             return f"calibrate {name} {self.axis.name} {field}"
 
-        def begun(words: Words | None) -> None:
-            inputs.update({remembered(field): word for field, word in (words or {}).items()})
-            self.expect(all(done))
+        def check(words: Words) -> bool:
+            if begin(words):
+                inputs.update({remembered(field): word for field, word in words.items()})
+            else:
+                dialog.complain(BUSY)
+            return False
 
         fields = [
             replace(field, value=inputs.get(remembered(field.name), field.value))
             for field in fields
         ]
-        dialog = FormDialog(
+        self._form_dialog = dialog = FormDialog(
             self.desk.keys,
             f"{routine.title}: {self.axis.letter}",
             self._what_words(routine),
             fields,
-            check=lambda words: done.append(begin(words)),
+            check=check,
         )
-        self.app.push_screen(dialog, begun)
+        self.app.push_screen(dialog)
+
+    def _order(self, order: Callable[[Controller], object]) -> bool:
+        """In the machine's thread; what is refused there is said where it was asked for."""
+
+        def go(controller: Controller) -> None:
+            try:
+                order(controller)
+            except FraeseError as error:
+                self.call_later(self._refused, str(error))
+            else:
+                self.call_later(self._begun)
+
+        return self.desk.link.order_of(go)
+
+    def _begun(self) -> None:
+        if self._form_dialog is not None:
+            self._form_dialog.dismiss({})
+
+    def _refused(self, sentence: str) -> None:
+        dialog = self._form_dialog
+        if dialog is not None and dialog.is_there:
+            dialog.complain(sentence)
+        else:
+            self.seen.refuse(sentence)
 
     def _reference(self, wanted: Reference | None) -> None:
         if wanted is not None:
@@ -233,7 +264,7 @@ class CalibrateView(View):
             )
             return
         page = SwitchPage(desk.keys, desk.link.shape, self.state, desk.hand, desk.link.tick_off)
-        self.app.push_screen(page, lambda _: self._show_again())
+        self.app.push_screen(page, lambda _: self.show_again())
 
     # --- beginning -------------------------------------------------------------------------------
 
@@ -255,37 +286,8 @@ class CalibrateView(View):
         times = whole(words, "times", spoken("how often, as in 10"))
         return self.calibration.repeat(self.axis.name, signs[words["which"]], times)
 
-    def _frequency_fields(self) -> list[Field]:
-        return [
-            Field("stage", spoken("start, cruise, acceleration, or all"), "all"),
-            Field("low", spoken("from, steps/s (empty: as usual)")),
-            Field("high", spoken("to")),
-            Field("step", spoken("in steps of")),
-            Field(
-                "switch",
-                spoken("the switch tells: yes or no"),
-                "yes" if self.axis.has_switches else "no",
-            ),
-        ]
-
     def _frequency(self, words: Words) -> bool:
-        if words["stage"] not in (*STAGES, "all", ""):
-            raise UsageError(
-                spoken(
-                    '"{words}" is no stage: {stages}, or all one by one.',
-                    words=words["stage"],
-                    stages=", ".join(STAGES),
-                )
-            )
-        wish = Wish(
-            number_or_none(words, "low", spoken("where to begin, or nothing")),
-            number_or_none(words, "high", spoken("where to end, or nothing")),
-            number_or_none(words, "step", spoken("from one value to the next, or nothing")),
-        )
-        stage = STAGES.get(words["stage"])
-        if stage is None and wish != Wish():
-            raise UsageError(spoken("From, to and step are of one stage: name it."))
-        by_switch = words["switch"].lower() == _YES
+        stage, wish, by_switch = frequency.asked(words)
         return self.calibration.frequency(self.axis.name, stage, wish, by_switch=by_switch)
 
     def _asking(self, name: str, taken: bool) -> bool:
@@ -324,7 +326,7 @@ class CalibrateView(View):
         dialog = FormDialog(
             self.desk.keys, ROUTINES[name].title, what, [Field("read", label)], "OK", self._read
         )
-        self.app.push_screen(dialog, lambda _: self._show_again())
+        self.app.push_screen(dialog, lambda _: self.show_again())
 
     def _read(self, words: Words) -> None:
         value_mm = number(words, "read", spoken("what was read"))
@@ -355,7 +357,7 @@ class CalibrateView(View):
             self.refuse(spoken("Nothing is tried now: marks belong to a frequency test that runs."))
         else:
             self.say(f"{value:g} {word}.")
-            self._show_again()
+            self.show_again()
 
     def action_scroll_found(self, pages: int) -> None:
         """Look further down, or up."""
@@ -364,7 +366,7 @@ class CalibrateView(View):
     def action_proposal(self, by: int) -> None:
         """Another one that explains the figures."""
         self.calibration.choose(by)
-        self._show_again()
+        self.show_again()
 
     def action_write(self) -> None:
         """Show old and new, and ask."""

@@ -1,8 +1,8 @@
 """The machine by hand, and its program.
 
 commands     position and commands
-path         position and program
-workspace    both, where there is room: position left, program right
+path         position and lines of the program
+workspace    both, where there is room: position left, right the path over its lines
 """
 
 from typing import Final
@@ -15,6 +15,7 @@ from fraese.control.state import MachineState
 from fraese.phrases import phrase, shown, spoken
 from fraese.ui.dialogs.confirm import ConfirmDialog
 from fraese.ui.dialogs.goto import GoToDialog
+from fraese.ui.dialogs.page import Page
 from fraese.ui.dialogs.reference import Reference, ReferenceDialog
 from fraese.ui.dialogs.switches import SwitchPage
 from fraese.ui.heldkeys import Stroke
@@ -28,8 +29,8 @@ from fraese.ui.widgets.commands import CommandList
 from fraese.ui.widgets.fact import Fact, Flowing
 from fraese.ui.widgets.jogpad import JogButton, JogPad
 from fraese.ui.widgets.links import Link
-from fraese.ui.widgets.path import PathView
 from fraese.ui.widgets.position import PositionPanel
+from fraese.ui.widgets.programpane import ProgramPane
 from fraese.ui.widgets.status import JobLine, WidthBar
 from fraese.ui.widths import FIRST_WIDTH, widths
 
@@ -44,8 +45,6 @@ _UNSURE: Final = phrase(
 )
 #: From this size on there is room for position and program side by side.
 _WORKSPACE: Final = Size(120, 40)
-#: As many axes as this need more rows than a small terminal has for three.
-_MANY_AXES: Final = 4
 
 
 class MachineView(RunsPrograms, ByHand):
@@ -54,27 +53,27 @@ class MachineView(RunsPrograms, ByHand):
     AREA = Area.MACHINE
     ALSO = (Area.RUNNING,)
     NAME = "move"
+    IS_BESIDE_POSITION = False
 
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk)
         shape, keys = desk.link.shape, desk.keys
         self.add_class(PICTURES[0])
-        self.set_class(len(shape.axes) >= _MANY_AXES, "-many")
         self._choice = widths(shape)
         self._width = FIRST_WIDTH
         self._passed_over = False
         self._program = Flowing(spoken("no program"), id="program")
-        self._position = PositionPanel(shape)
+        self._panel = PositionPanel(shape)
         width_keys = [row for row in keys.commands if row.action.startswith("set_width")]
         self._widths = WidthBar(self._choice, width_keys)
-        self._path = PathView(keys.said("open"))
+        self._pane = ProgramPane(desk.programs, self.state, keys.said("open"))
         self._job = JobLine(keys.said("acknowledge"))
 
     def inner(self) -> ComposeResult:
         """Top to bottom."""
         with Container(id="body"):
-            yield self._position
-            yield self._path
+            yield self._panel
+            yield self._pane
         yield self._widths
         macros = [row for row in self.desk.keys.commands if row.action.startswith("macro(")]
         if macros:
@@ -103,6 +102,17 @@ class MachineView(RunsPrograms, ByHand):
         width, height = self.size
         self.set_class(width >= _WORKSPACE.width and height >= _WORKSPACE.height, "-workspace")
 
+    def on_screen_suspend(self) -> None:
+        """What a dialog covers is seen among the facts."""
+        top = self.app.screen
+        self.set_class(top.COVERS if isinstance(top, Page) else top is not self, "-covered")
+        self.call_after_refresh(self.show_again)
+
+    def on_screen_resume(self) -> None:
+        """They are seen again."""
+        self.remove_class("-covered")
+        self.call_after_refresh(self.show_again)
+
     # --- what is shown ---------------------------------------------------------------------------
 
     @property
@@ -115,19 +125,17 @@ class MachineView(RunsPrograms, ByHand):
         self.remove_class(*PICTURES)
         self.add_class(name)
         # What was hidden has not been kept up to date.
-        self.call_after_refresh(self._show_again)
+        self.call_after_refresh(self.show_again)
 
     def show_inner(self, state: MachineState) -> None:
         """Draw what changed."""
-        self._position.show(state)
+        self._panel.show(state)
         self._show_job()
-        if self._path.display:
-            program, job = self.desk.programs.program, state.job
-            is_its = program is not None and job is not None and job.name == program.name
-            self._path.mark(job.line if job is not None and is_its else 0)
+        self._pane.show(state)
 
     def _show_job(self) -> None:
-        self._job.show_job(self.state, self.desk.link.jogs_waiting)
+        waiting = self.desk.link.jogs_waiting
+        self._job.show_job(self.state, waiting, programs=not self.has_class("-workspace"))
 
     def keys_rest(self) -> None:
         """The next press counts single again."""
@@ -145,7 +153,7 @@ class MachineView(RunsPrograms, ByHand):
 
     def action_scroll_path(self, pages: int) -> None:
         """Look elsewhere in the program."""
-        self._path.scroll_pages(pages)
+        self._pane.listing.scroll_pages(pages)
 
     # --- moving ----------------------------------------------------------------------------------
 
@@ -268,10 +276,9 @@ class MachineView(RunsPrograms, ByHand):
     def show_program(self, program: Program) -> None:
         """This one is loaded now."""
         self._program.show(program.name)
-        self._path.load(program.lines, program.parts)
         self.show_picture("path")
 
     def show_line(self, line: int) -> None:
         """Look at this line of it."""
         self.show_picture("path")
-        self._path.show_line(line)
+        self._pane.listing.show_line(line)

@@ -16,6 +16,7 @@ class ProgramView(RunsPrograms):
     AREA = Area.PROGRAM
     ALSO = (Area.RUNNING,)
     NAME = "program"
+    IS_BESIDE_POSITION = False
 
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk)

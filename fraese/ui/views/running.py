@@ -21,11 +21,12 @@ from fraese.ui.dialogs.open import OpenDialog
 from fraese.ui.dialogs.start import Decision, StartDialog, WayDialog, What
 from fraese.ui.keyrows.everywhere import STOP
 from fraese.ui.programs import Facts, Look, Program, in_words
-from fraese.ui.views.view import BUSY, View
+from fraese.ui.views.afterfaults import GoesOn
+from fraese.ui.views.view import BUSY
 from fraese.ui.widgets.scene import Scene
 
 
-class RunsPrograms(View):
+class RunsPrograms(GoesOn):
     """Opens programs, and starts them."""
 
     @abstractmethod
@@ -221,7 +222,13 @@ class RunsPrograms(View):
             return
         scene = Scene.of(state, facts.outline)
         dialog = StartDialog(
-            self.desk.keys, program, self.desk.link.shape, state, scene, program.news()
+            self.desk.keys,
+            program,
+            self.desk.link.shape,
+            state,
+            scene,
+            program.news(),
+            self.desk.link.switches_tried,
         )
         self.app.push_screen(dialog, lambda decision: self._decided_start(program, decision))
 

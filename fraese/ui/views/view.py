@@ -1,8 +1,9 @@
 """What all views have in common.
 
     state, in a word over the full width
-    facts: position, offset, switch, speed          (MachineView shows the position itself)
-    ... what the view is for ...                    ``inner``
+    facts: position, switch, speed; what is in force
+    position, large, where   |   what the view is for    ``inner``
+    there is room for it     |
     the last message
     keys: stop, hold, views
 
@@ -16,6 +17,8 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from textual.app import ComposeResult
+from textual.containers import Horizontal, Vertical
+from textual.geometry import Size
 from textual.screen import Screen
 
 from fraese.control.benchfacts import Bench
@@ -34,10 +37,12 @@ from fraese.ui.linehistory import LineHistory
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.macros import Macro
 from fraese.ui.programs import ProgramDesk
+from fraese.ui.room import HEIGHTS, WIDTHS
 from fraese.ui.settings import SettingsDesk
 from fraese.ui.themes import after
 from fraese.ui.widgets.keybar import KeyBar
 from fraese.ui.widgets.links import Link
+from fraese.ui.widgets.position import PositionPanel
 from fraese.ui.widgets.statebar import Top
 from fraese.ui.widgets.status import MessageLine
 from fraese.ui.widths import RepeatRule
@@ -47,6 +52,10 @@ BUSY: Final = spoken(
     said=STOP.said,
 )
 
+#: As many axes as this need more rows than a small terminal has for three.
+_MANY_AXES: Final = 4
+#: From this size on the position is as large beside every view as in Move.
+_VAST: Final = Size(190, 45)
 #: Actions whose keys are shown behind the stop key however narrow the screen is.
 _FIRST_KEYS: Final = ("hold", "help")
 
@@ -90,6 +99,15 @@ class Desk:
     macros: Sequence[Macro] = ()
 
 
+class Inner(Vertical):
+    """Has less room when the position comes to stand beside it."""
+
+    def on_resize(self) -> None:
+        """What is drawn to measure is drawn again."""
+        if isinstance(self.screen, View):
+            self.screen.call_later(self.screen.show_again)
+
+
 class View(Screen[None]):
     """A screen that shows the machine, with the commands that every view has.
 
@@ -102,10 +120,10 @@ class View(Screen[None]):
     ALSO: tuple[Area, ...] = ()
     #: Name in the table of views.
     NAME: str
-    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (140, "-wide")]  # noqa: RUF012
-    VERTICAL_BREAKPOINTS = [  # noqa: RUF012
-        (0, "-flat"), (22, "-low"), (28, "-high"), (36, "-higher"), (45, "-tall"),
-    ]  # fmt: skip
+    #: Where there is room the position stands beside it, large; else it sees to that itself.
+    IS_BESIDE_POSITION = True
+    HORIZONTAL_BREAKPOINTS = WIDTHS
+    VERTICAL_BREAKPOINTS = HEIGHTS
 
     def __init__(self, desk: Desk) -> None:
         super().__init__()
@@ -116,6 +134,9 @@ class View(Screen[None]):
         # Which program that was cut short was told of last.
         self._told_of: CutShort | None = None
         self._top = Top(desk.link.shape)
+        self._position = PositionPanel(desk.link.shape) if self.IS_BESIDE_POSITION else None
+        self.set_class(self._position is not None, "-beside")
+        self.set_class(len(desk.link.shape.axes) >= _MANY_AXES, "-many")
         self._message = MessageLine(id="message")
         areas = (self.AREA, *self.ALSO)
         keys = [row for row in desk.keys.of(Area.VIEWS, *areas) if row.footer]
@@ -129,7 +150,13 @@ class View(Screen[None]):
     def compose(self) -> ComposeResult:
         """The frame, and what the view is for."""
         yield self._top
-        yield from self.inner()
+        if self._position is None:
+            yield from self.inner()
+        else:
+            with Horizontal(id="around"):
+                yield self._position
+                with Inner(id="inner"):
+                    yield from self.inner()
         yield self._message
         yield self._bar
 
@@ -194,6 +221,8 @@ class View(Screen[None]):
         """Draw what changed."""
         self._top.show(state, stopping)
         self.set_class(self._top.tells_of_lost_steps, "-lost")
+        if self._position is not None and self._position.display:
+            self._position.show(state)
         self.show_inner(state)
 
     @abstractmethod
@@ -212,9 +241,12 @@ class View(Screen[None]):
 
     def on_resize(self) -> None:
         """Gauges and bars are as long as there is room."""
-        self.call_after_refresh(self._show_again)
+        width, height = self.size
+        self.set_class(width >= _VAST.width and height >= _VAST.height, "-vast")
+        self.call_after_refresh(self.show_again)
 
-    def _show_again(self) -> None:
+    def show_again(self) -> None:
+        """As it was shown last, with the room there is now."""
         self.show(self.state, self._stopping)
 
     def keys_rest(self) -> None:

@@ -1,5 +1,7 @@
 """The list of events: only what is seen is drawn, however many there are."""
 
+import textwrap
+from collections.abc import Iterator
 from typing import Final
 
 from rich.segment import Segment
@@ -12,6 +14,8 @@ from fraese.plaintext import dotted
 from fraese.ui.eventlog import Event, EventLog, Kind
 
 _NONE: Final = spoken("Nothing has happened yet.")
+#: Columns of time and sign; so many are left to the words at least.
+_CLOCK, _LEAST = 11, 20
 _SIGNS: Final = {Kind.ALARM: "!", Kind.WARNING: "?", Kind.SAID: " "}
 
 
@@ -29,7 +33,13 @@ class EventList(ScrollView, can_focus=False):
         self._log = log
         self._kinds: tuple[Kind, ...] = tuple(Kind)
         self._seen: tuple[int, int] | None = None
-        self._rows: list[tuple[Event, str]] = []
+        # An event, a row of its words, and whether that is its first.
+        self._rows: list[tuple[Event, str, bool]] = []
+
+    def on_resize(self) -> None:
+        """Other words fit into a row."""
+        self._seen = None
+        self.look()
 
     def look(self) -> None:
         """Draw what was added since the last time."""
@@ -37,11 +47,12 @@ class EventList(ScrollView, can_focus=False):
             return
         self._seen = self._log.version
         at_end = self.scroll_offset.y >= self.max_scroll_y
-        self._rows = []
-        for event in self._log.of(self._kinds):
-            self._rows.append((event, event.title))
-            if event.advice:
-                self._rows.append((event, f"  {shown(event.advice)}"))
+        room = max(_LEAST, self.size.width - _CLOCK)
+        self._rows = [
+            (event, row, at == 0)
+            for event in self._log.of(self._kinds)
+            for at, row in enumerate(_wrapped(event, room))
+        ]
         self.virtual_size = Size(0, len(self._rows))
         if at_end:
             self.scroll_end(animate=False)
@@ -71,11 +82,16 @@ class EventList(ScrollView, can_focus=False):
         if index >= len(self._rows):
             text = "" if self._rows or y else _NONE
             return Strip([Segment(text, said)]).adjust_cell_length(width, said)
-        event, text = self._rows[index]
+        event, text, is_first = self._rows[index]
         style = self.get_component_rich_style(f"event--{event.kind.value}")
-        first = text == event.title
-        clock = f"{event.at:%H:%M:%S} {_SIGNS[event.kind]} " if first else " " * 11
+        clock = f"{event.at:%H:%M:%S} {_SIGNS[event.kind]} " if is_first else " " * _CLOCK
         faint = self.get_component_rich_style("event--time")
         return Strip([Segment(clock, faint), Segment(dotted(text), style)]).adjust_cell_length(
             width, said
         )
+
+
+def _wrapped(event: Event, room: int) -> Iterator[str]:
+    """Its words in rows, the advice of an alarm below them."""
+    yield from textwrap.wrap(event.title, room) or [""]
+    yield from textwrap.wrap(shown(event.advice), room, initial_indent="  ", subsequent_indent="  ")

@@ -65,10 +65,12 @@ class Paragraph(Static):
     def __init__(self, *, id: str) -> None:  # noqa: A002
         super().__init__("", id=id, markup=False)
         self.text = ""
+        self.display = False
 
     def show(self, text: str) -> None:
-        """These."""
+        """These; none take no room."""
         text = shown(text)
         if text != self.text:
             self.text = text
+            self.display = bool(text)
             self.update(plain_lines(text))

@@ -134,6 +134,9 @@ def waves(heard: Sequence[Access], width: int, rows: int) -> list[str]:
         f"{name:<4}{_wave(shown, register, bit, first, span, columns)}"
         for name, register, bit in lines[: max(1, rows - 1)]
     ]
+    if rows > 2 * len(drawn):
+        # Where there is room, lines that lie high and low do not touch.
+        drawn = [row for line in drawn for row in (line, "")]
     return [
         *drawn,
         spoken(

@@ -108,6 +108,7 @@ class PositionPanel(Vertical):
 
     def __init__(self, shape: Shape) -> None:
         super().__init__(id="position")
+        self._state: MachineState | None = None
         self._rows = [
             AxisRow(axis, index, shape.step_word) for index, axis in enumerate(shape.axes)
         ]
@@ -118,5 +119,11 @@ class PositionPanel(Vertical):
 
     def show(self, state: MachineState) -> None:
         """Draw what changed."""
+        self._state = state
         for row in self._rows:
             row.show(state)
+
+    def on_resize(self) -> None:
+        """What it is made of and the gauges are as long as there is room."""
+        if self._state is not None:
+            self.show(self._state)

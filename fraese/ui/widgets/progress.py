@@ -7,6 +7,7 @@ from textual.containers import Vertical
 
 from fraese.control.state import JobProgress, MachineState, Status
 from fraese.phrases import shown, spoken
+from fraese.ui.widgets import modal
 from fraese.ui.widgets.fact import Fact
 from fraese.ui.widgets.status import clock_words
 
@@ -42,21 +43,12 @@ def times(job: JobProgress, *, waits: bool, now: datetime) -> str:
 
 
 def switches(state: MachineState) -> str:
-    """Overrides and switches that are not as usual are named; the usual ones too, but the feed."""
+    """Both overrides, and the switches that are on."""
     said = [
         spoken("feed {override:.0%}", override=state.override),
         spoken("rapids {rapid_override:.0%}", rapid_override=state.rapid_override),
     ]
-    said += [
-        name
-        for name, on in (
-            (spoken("single block"), state.single_block),
-            (spoken("M1 stops"), state.optional_stop),
-            (spoken("/ left out"), state.block_delete),
-        )
-        if on
-    ]
-    return "   ".join(said)
+    return "   ".join([*said, *modal.switches(state)])
 
 
 class ProgressPanel(Vertical):

@@ -9,10 +9,11 @@ from textual.content import Content
 from textual.geometry import Size
 
 from fraese.control.state import MachineState, Status, three_decimals
-from fraese.phrases import spoken
+from fraese.phrases import shown, spoken
 from fraese.ui.shape import Shape
 from fraese.ui.widgets.fact import Fact, Flowing
 from fraese.ui.widgets.glyphs import THIN
+from fraese.ui.widgets.modal import ModalStrip
 from fraese.ui.widgets.status import lost_words, switch_words
 
 
@@ -53,7 +54,8 @@ def seen(state: MachineState, stopping: bool) -> Seen:
         if stopping:
             return Seen(spoken("STOPPING"), "-warn", beside)
         if state.question:
-            return Seen(spoken("WAIT"), "-warn", beside)
+            what = shown(state.waits_for)
+            return Seen(spoken("WAIT {what}", what=what).rstrip(), "-warn", beside)
         return (
             Seen(spoken("HOLD"), "-warn", beside)
             if state.held
@@ -119,7 +121,9 @@ class StateBar(Horizontal):
 
 
 class FactsLine(Horizontal):
-    """One row: position where it is not shown large, work offset, switch, speed, motors, log.
+    """One row: position where it is not shown large, switch, speed or motors, log.
+
+    Where a row of its own is too much, what is in force stands here.
 
     Args:
         shape: of the machine.
@@ -129,11 +133,10 @@ class FactsLine(Horizontal):
         super().__init__(id="facts")
         self._shape = shape
         self._at = Flowing("", id="at")
-        self._work = Flowing("", id="work")
+        self._work = ModalStrip("", id="work")
         self._switch = Fact(spoken("switch open"), id="switch")
         self._ignored = Fact("", id="ignored")
         self._feed = Fact("", id="feed")
-        self._motors = Fact("", id="motors")
         self._log = Fact("", id="log")
 
     def compose(self) -> ComposeResult:
@@ -143,7 +146,6 @@ class FactsLine(Horizontal):
         yield self._switch
         yield self._ignored
         yield self._feed
-        yield self._motors
         yield self._log
 
     def show(self, state: MachineState) -> None:
@@ -155,30 +157,21 @@ class FactsLine(Horizontal):
                     for axis, at in zip(self._shape.axes, state.work_mm, strict=True)
                 )
             )
-        self._work.show(state.work.words() or state.work.system)
+        if self._work.display:
+            self._work.show_state(state)
         self._switch.show(switch_words(state), "-alarm" if state.switch_closed else "-weak")
         self._ignored.show(
             spoken("SWITCHES IGNORED") if state.switch_ignored else "",
             "-alarm" if state.switch_ignored else "",
         )
         moving = state.running and state.speed_mm_min > 0
-        speed = (
-            spoken(
-                "{speed_mm_min:.0f} {speed_unit}/min",
-                speed_mm_min=state.speed_mm_min,
-                speed_unit=state.speed_unit,
-            )
-            if moving
-            else spoken("standing")
+        speed = spoken(
+            "{speed_mm_min:.0f} {speed_unit}/min",
+            speed_mm_min=state.speed_mm_min,
+            speed_unit=state.speed_unit,
         )
-        override = "" if state.override == 1 else f"{state.override:.0%}  "
-        if override and not state.obeys_override:
-            override += spoken("not here") + "  "
-        self._feed.show(override + speed)
-        self._motors.show(
-            spoken("motors on") if state.energised else spoken("motors off"),
-            "" if state.energised else "-weak",
-        )
+        still = spoken("standing") if state.energised else spoken("motors off")
+        self._feed.show(speed if moving else still, "" if state.energised or moving else "-weak")
         self._log.show(
             spoken("log on") if state.log_on else spoken("log off"), "" if state.log_on else "-weak"
         )
@@ -195,12 +188,14 @@ class Top(Vertical):
         super().__init__(id="top")
         self._bar = StateBar()
         self._facts = FactsLine(shape)
+        self._modal = ModalStrip("", id="modal")
         self._lost = Fact("", id="lost")
 
     def compose(self) -> ComposeResult:
-        """State, facts, and a line where steps were lost."""
+        """State, facts, what is in force, and a line where steps were lost."""
         yield self._bar
         yield self._facts
+        yield self._modal
         yield self._lost
 
     @property
@@ -212,5 +207,7 @@ class Top(Vertical):
         """Draw what changed."""
         self._bar.show(state, stopping)
         self._facts.show(state)
+        if self._modal.display:
+            self._modal.show_state(state)
         lost = lost_words(state)
         self._lost.show(lost, "-alarm" if lost else "")

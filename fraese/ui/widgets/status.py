@@ -106,18 +106,26 @@ class JobLine(Fact):
             "Press {acknowledge_key} to acknowledge the error.", acknowledge_key=acknowledge_key
         )
 
-    def show_job(self, state: MachineState, waiting: Sequence[tuple[str, int]] = ()) -> None:
+    def show_job(
+        self,
+        state: MachineState,
+        waiting: Sequence[tuple[str, int]] = (),
+        *,
+        programs: bool = True,
+    ) -> None:
         """Draw what changed; empty between jobs.
 
         Args:
             state: how the machine stands.
             waiting: axes whose jog keys were pressed, and how often, signed.
+            programs: also of a program; else its progress is seen elsewhere.
         """
         if state.status is Status.ERROR:
             self.show(self._error, "-alarm")
             return
-        running = state.status is Status.RUN and state.job is not None
-        words = self._words(state.job) if running and state.job else ""
+        job = state.job if state.status is Status.RUN else None
+        is_elsewhere = not programs and job is not None and job.lines > 0
+        words = "" if job is None or is_elsewhere else self._words(job)
         if waiting:
             words += spoken("  waiting: {waiting_words}", waiting_words=waiting_words(waiting))
         self.show(words.strip())
