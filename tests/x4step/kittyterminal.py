@@ -4,6 +4,7 @@ Encoded as https://sw.kovidgoyal.net/kitty/keyboard-protocol/ describes it: func
 table, event types left out for a press without modifiers, the place after two colons.
 """
 
+import codecs
 import os
 import pty
 import re
@@ -115,6 +116,9 @@ class Screen:
 
     terminal: KittyTerminal = field(default_factory=KittyTerminal)
     seen: str = ""
+    _decoder: codecs.IncrementalDecoder = field(
+        default_factory=codecs.getincrementaldecoder("utf-8"), repr=False
+    )
     mark: int = 0
     left: list[object] = field(default_factory=list)
 
@@ -148,7 +152,8 @@ class Screen:
             output = os.read(self.master, 4096)
         except OSError:
             return False
-        self.seen += output.decode()
+        # A character may be cut where a read ends.
+        self.seen += self._decoder.decode(output)
         if back := self.terminal.answer(output):
             os.write(self.master, back)
         return bool(output)
