@@ -73,9 +73,9 @@ MUTANTS: Final = (
         tests_of("program/test_laser.py", "test_off_on_the_way_to_a_line_and_on_from_there"),
     ),
     Mutant(
-        "program/translate: the way to a line is counted as moves",
+        "program/numbers: the way to a line is counted as moves",
         "a second start in the middle begins at another move",
-        _P + "translate.py",
+        _P + "numbers.py",
         "        self.pass_by()\n        self.stride = 0\n",
         "        self.pass_by()\n",
         tests_of(
