@@ -220,6 +220,8 @@ class RunsPrograms(GoesOn):
         state, facts = self.desk.link.state(), program.facts
         if facts is None:
             return
+        # Below a dialog nothing is drawn on: it is not to look as if it were still looked through.
+        self.seen.show_again()
         scene = Scene.of(state, facts.outline)
         dialog = StartDialog(
             self.desk.keys,
