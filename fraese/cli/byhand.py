@@ -1,12 +1,12 @@
 """What a person can type while a program waits for him, besides Enter: moves by hand, and a zero.
 
-jog Z -1    move X10 Y5 F300    zero Z    lift
+jog Z -1 F100    move X10 Y5 F300    zero Z    lift
 """
 
 from collections.abc import Callable
 from typing import Final
 
-from fraese.axiswords import axes_named, axis_words, target
+from fraese.axiswords import axes_named, target
 from fraese.control.controller import Controller
 from fraese.errors import UsageError
 from fraese.phrases import phrase
@@ -32,11 +32,11 @@ def by_hand(controller: Controller, line: str) -> None:
 
 
 def _jog(controller: Controller, rest: str) -> None:
-    words = axis_words(rest, controller.machine.names)
-    if len(words) > 1:
+    there = target(rest, controller.machine.names)
+    if len(there.targets_mm) > 1:
         raise UsageError(phrase("A jog is one axis and a distance, such as jog Z -1."))
-    for name, distance_mm in words.items():
-        controller.jog(name, distance_mm)
+    for name, distance_mm in there.targets_mm.items():
+        controller.jog(name, distance_mm, feed_mm_min=there.feed_mm_min)
 
 
 def _move(controller: Controller, rest: str) -> None:

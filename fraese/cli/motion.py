@@ -28,6 +28,10 @@ FeedOption = Annotated[
     float | None,
     typer.Option("--feed", metavar="MM_MIN", help="Feed, mm/min; else as fast as the axes can."),
 ]
+JogFeedOption = Annotated[
+    float | None,
+    typer.Option("--feed", metavar="MM_MIN", help="Feed, mm/min; else as jog.feed_mm_min says."),
+]
 
 app = typer.Typer()
 
@@ -125,8 +129,7 @@ def move(
 
     def action(controller: Controller) -> None:
         there = target(" ".join(words), controller.machine.names)
-        if feed is not None and not feed > 0:
-            raise UsageError(phrase("--feed {feed:g}: a feed is above 0 mm/min.", feed=feed))
+        _require(feed)
         if feed is not None and there.feed_mm_min is not None:
             raise UsageError(phrase("The feed is given twice: either --feed or F."))
         controller.move_to(
@@ -139,6 +142,11 @@ def move(
     on.do(action)
 
 
+def _require(feed: float | None) -> None:
+    if feed is not None and not feed > 0:
+        raise UsageError(phrase("--feed {feed:g}: a feed is above 0 mm/min.", feed=feed))
+
+
 @app.command(context_settings=VALUES)
 @with_options
 def jog(
@@ -148,6 +156,7 @@ def jog(
     ],
     *,
     on: Drive,
+    feed: JogFeedOption = None,
 ) -> None:
     """Move one axis a little way."""
 
@@ -161,8 +170,9 @@ def jog(
                     distance=distance,
                 )
             )
+        _require(feed)
         for name, distance_mm in words.items():
-            controller.jog(name, distance_mm)
+            controller.jog(name, distance_mm, feed_mm_min=feed)
 
     on.do(action)
 

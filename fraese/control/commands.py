@@ -46,13 +46,21 @@ class Commands:
         """Show a message."""
 
     @logged
-    def jog(self, axis: str, distance_mm: float, *, clamp: bool = False) -> None:
+    def jog(
+        self,
+        axis: str,
+        distance_mm: float,
+        *,
+        clamp: bool = False,
+        feed_mm_min: float | None = None,
+    ) -> None:
         """One bounded move of one axis; ``run`` makes it.
 
         Args:
             axis: name.
             distance_mm: signed; not 0, at most ``jog.max_mm``.
             clamp: stop at the soft limit instead of refusing.
+            feed_mm_min: None: as the configuration says (``jog.feed_mm_min``).
 
         Raises:
             LimitError: if it would leave the travel, or is too long or nothing.
@@ -62,17 +70,27 @@ class Commands:
         moved, here = self.machine.axes[motor], self.position.position_steps[motor]
         softlimits.require_jog(moved, distance_mm, self.config.jog.max_mm)
         target = moved.to_steps(moved.to_mm(here) + distance_mm)
-        self.jog_steps(axis, target - here, clamp=clamp)
+        self.jog_steps(axis, target - here, clamp=clamp, feed_mm_min=feed_mm_min)
 
     @logged
-    def jog_steps(self, axis: str, distance_steps: int, *, clamp: bool = False) -> None:
+    def jog_steps(
+        self,
+        axis: str,
+        distance_steps: int,
+        *,
+        clamp: bool = False,
+        feed_mm_min: float | None = None,
+    ) -> None:
         """The same in steps, with the same refusals."""
+        softlimits.require_feed(feed_mm_min)
         self.require_ready()
         where, config, motor = self.position, self.config.jog, self.machine.index(axis)
         target = softlimits.jog_target(where, motor, distance_steps, config.max_mm, clamp=clamp)
         watch = self.switches.watch_for_jog(motor, distance_steps)
-        line = lines.line_to(where, target, config.feed_mm_min, watch)
+        here = where.position_steps
+        line = lines.line_to(where, target, feed_mm_min or config.feed_mm_min, watch)
         self.start(phrase("jog {axis}", axis=axis.upper()), line, BY_HAND)
+        self._tell_if_too_fast(here, target, feed_mm_min)
 
     @logged
     def move_to(
@@ -104,16 +122,7 @@ class Commands:
         self.check_moves([target])
         here = self.position.position_steps
         self.start(phrase("move"), lines.line_to(self.position, target, feed_mm_min), BY_HAND)
-        fastest = softlimits.fastest_mm_min(self.machine, here, target)
-        if feed_mm_min is not None and feed_mm_min > fastest * _NEARLY:
-            self.say(
-                phrase(
-                    "F {feed_mm_min:.0f} mm/min is more than the axes can: it goes with"
-                    " {fastest:.0f}.",
-                    feed_mm_min=feed_mm_min,
-                    fastest=fastest,
-                )
-            )
+        self._tell_if_too_fast(here, target, feed_mm_min)
 
     @logged
     def run_curve(
@@ -200,6 +209,19 @@ class Commands:
                 )
             )
         self.move_to({axis.name: top_mm}, machine_coordinates=True)
+
+    def _tell_if_too_fast(self, here: Steps, target: Steps, feed_mm_min: float | None) -> None:
+        """What was asked for is more than the axes can: say what it goes with."""
+        fastest = softlimits.fastest_mm_min(self.machine, here, target)
+        if feed_mm_min is not None and feed_mm_min > fastest * _NEARLY:
+            self.say(
+                phrase(
+                    "F {feed_mm_min:.0f} mm/min is more than the axes can: it goes with"
+                    " {fastest:.0f}.",
+                    feed_mm_min=feed_mm_min,
+                    fastest=fastest,
+                )
+            )
 
     def _require_vertical(self, axes: Sequence[str]) -> None:
         vertical = self.machine.vertical

@@ -19,54 +19,22 @@ Rule 6: what is pressed in mm is added in mm: no rounding to steps adds up.
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from fraese.anythread import any_thread
-from fraese.blocks import Watch
 from fraese.control import lines, softlimits
 from fraese.control.about import BY_HAND
 from fraese.control.controller import Controller
 from fraese.control.heldjog import Hold
+from fraese.control.inhand import Hand, Held
 from fraese.control.jobs import Job, Standstill
+from fraese.control.jograte import JogRate
 from fraese.control.presses import Group, Press, Waiting
 from fraese.errors import FraeseError
-from fraese.machine import Steps, three_decimals
+from fraese.machine import three_decimals
 from fraese.phrases import phrase
 
 #: Of a held key, at widths that are finer than this, so much may wait.
 _HELD_MM = 0.5
-
-
-@dataclass(frozen=True, slots=True)
-class _Hand:
-    """What is being done.
-
-    Attributes:
-        motor: which axis.
-        sign: which way.
-        ends_steps: where each of its presses ends, and
-        ends_mm: the same, not rounded.
-        target: where the line ends.
-        watch: what the line needs to leave a closed switch.
-        hold: it is made for as long as this is held.
-    """
-
-    motor: int
-    sign: int
-    ends_steps: tuple[int, ...]
-    ends_mm: tuple[float, ...]
-    target: Steps
-    watch: Watch | None
-    hold: Hold | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class _Held:
-    """What is to run for as long as it is held."""
-
-    motor: int
-    sign: int
-    hold: Hold
 
 
 class Jogs:
@@ -76,6 +44,9 @@ class Jogs:
         controller: the machine.
         tell: told what a person should know, a sentence,
         refuse: and what was not done, likewise; both are called in the run loop's thread.
+
+    Attributes:
+        rate: how fast they go.
     """
 
     def __init__(
@@ -88,10 +59,11 @@ class Jogs:
         self._tell = tell
         self._refuse = refuse
         self._axes = controller.machine.axes
+        self.rate = JogRate(controller)
         self._lock = threading.Lock()
         self._waiting = Waiting(self._axes)
-        self._hand: _Hand | None = None
-        self._held: _Held | None = None
+        self._hand: Hand | None = None
+        self._held: Held | None = None
         self._is_turned = False
         # Presses that were left out when it was turned; None: that is no news.
         self._left_out: int | None = None
@@ -142,7 +114,7 @@ class Jogs:
             motor = self._controller.machine.index(name)
             if not self._is_turned:
                 self._waiting.drop(motor, sign)
-            self._held = _Held(motor, sign, hold)
+            self._held = Held(motor, sign, hold)
             return self._job is not None
 
     @any_thread
@@ -175,7 +147,7 @@ class Jogs:
         if self._held is not None:
             self._held.hold.let_go()
 
-    def _turn(self, hand: _Hand) -> None:
+    def _turn(self, hand: Hand) -> None:
         self._left_out = self._waiting.drop(hand.motor, hand.sign)
         self._waiting.turn(hand.motor)
         self._is_turned = True
@@ -186,7 +158,7 @@ class Jogs:
         way_mm = sum(abs(each.way_steps(axis)) for each in (*waits, press)) * axis.step_mm
         return bool(waits) and way_mm > _HELD_MM
 
-    def _has_more(self, hand: _Hand) -> bool:
+    def _has_more(self, hand: Hand) -> bool:
         return len(hand.ends_steps) > 1 or bool(self._waiting.of_axis(hand.motor))
 
     # --- from the run loop's thread ------------------------------------------------------------
@@ -209,11 +181,11 @@ class Jogs:
             self.forget()
             raise
 
-    def _work(self, job: object, hand: _Hand | None) -> Job:
-        where, feed_mm_min = self._controller.position, self._controller.config.jog.feed_mm_min
+    def _work(self, job: object, hand: Hand | None) -> Job:
+        where, rate = self._controller.position, self.rate
         try:
             while hand is not None:
-                yield from lines.line_to(where, hand.target, feed_mm_min, hand.watch)
+                yield from lines.line_to(where, hand.target, rate.feed_mm_min, hand.watch)
                 yield Standstill(cut=self._cuts(job, hand))
                 self._put_down(job, hand)
                 hand = self._next(job)
@@ -222,7 +194,7 @@ class Jogs:
                 if self._job is job:
                     self._clear()
 
-    def _cuts(self, job: object, hand: _Hand) -> Callable[[], bool]:
+    def _cuts(self, job: object, hand: Hand) -> Callable[[], bool]:
         """Says whether what is in hand is to end at once."""
 
         def is_over() -> bool:
@@ -231,7 +203,7 @@ class Jogs:
 
         return is_over
 
-    def _next(self, job: object) -> _Hand | None:
+    def _next(self, job: object) -> Hand | None:
         """What is to be done now; None: nothing any more."""
         while True:
             with self._lock:
@@ -259,7 +231,7 @@ class Jogs:
         self._job = self._hand = self._held = None
         self._is_turned, self._left_out = False, None
 
-    def _aimed(self, group: Group) -> _Hand | None:
+    def _aimed(self, group: Group) -> Hand | None:
         """What a group asks for from here, no longer than a jog may be; None: nothing.
 
         Raises:
@@ -287,9 +259,9 @@ class Jogs:
         target = softlimits.jog_target(where, motor, distance_steps, jog.max_mm, clamp=True)
         watch = self._controller.switches.watch_for_jog(motor, distance_steps)
         sign = 1 if distance_steps > 0 else -1
-        return _Hand(motor, sign, ends_steps, tuple(ends_mm), target, watch)
+        return Hand(motor, sign, ends_steps, tuple(ends_mm), target, watch)
 
-    def _taken_hold(self) -> _Hand | None:
+    def _taken_hold(self) -> Hand | None:
         """What is held, if it still is.
 
         Raises:
@@ -308,9 +280,9 @@ class Jogs:
         target = softlimits.jog_target(where, motor, way_steps, longest_mm, clamp=True)
         watch = self._controller.switches.watch_for_jog(motor, way_steps)
         self._held = held
-        return _Hand(motor, sign, (), (), target, watch, held.hold)
+        return Hand(motor, sign, (), (), target, watch, held.hold)
 
-    def _put_down(self, job: object, hand: _Hand) -> None:
+    def _put_down(self, job: object, hand: Hand) -> None:
         """It has come to rest: at its end, at the limit, or where it was turned."""
         with self._lock:
             if self._job is not job:
@@ -323,7 +295,7 @@ class Jogs:
         if told:
             self._tell(told)
 
-    def _dropped(self, hand: _Hand, hold: Hold) -> str:
+    def _dropped(self, hand: Hand, hold: Hold) -> str:
         """What was held came to rest; something is to be said if that was not by letting it go."""
         self._rests.pop(hand.motor, None)
         is_its = self._held is not None and self._held.hold is hold
@@ -340,7 +312,7 @@ class Jogs:
             name=name,
         )
 
-    def _ended(self, hand: _Hand) -> str:
+    def _ended(self, hand: Hand) -> str:
         """At its end, or at the limit; what is to be said of that."""
         axis, here = self._axes[hand.motor], self._here(hand)
         self._rests[hand.motor] = here, hand.ends_mm[-1]
@@ -361,7 +333,7 @@ class Jogs:
             short=short,
         )
 
-    def _turned(self, hand: _Hand) -> str:
+    def _turned(self, hand: Hand) -> str:
         """Where it came to rest when the opposite key was pressed, or the held key let go."""
         axis, here, sign = self._axes[hand.motor], self._here(hand), hand.sign
         beyond = [n for n, end in enumerate(hand.ends_steps) if (end - here) * sign >= 0]
@@ -388,5 +360,5 @@ class Jogs:
             gone=gone,
         )
 
-    def _here(self, hand: _Hand) -> int:
+    def _here(self, hand: Hand) -> int:
         return self._controller.position.position_steps[hand.motor]

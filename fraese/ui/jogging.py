@@ -27,6 +27,9 @@ class Jogger:
         worker: its owner.
         tell: told what a person should know, in the worker's thread,
         refuse: and what was not done, likewise.
+
+    Attributes:
+        rate: how fast jogs go.
     """
 
     def __init__(
@@ -37,6 +40,7 @@ class Jogger:
         refuse: Callable[[str], object],
     ) -> None:
         self._jogs = Jogs(controller, tell, refuse)
+        self.rate = self._jogs.rate
         self._worker = worker
         self._lock = threading.Lock()
         # A job for what waits is on its way to the worker.

@@ -50,6 +50,7 @@ class MachineLink:
 
     Attributes:
         shape: what the machine has.
+        jog_rate: how fast jogs go.
         left_at_start: what a crash before this start has left; None: there was none.
         switches_tried: end switches that were pressed by hand and seen since the start.
     """
@@ -66,6 +67,7 @@ class MachineLink:
         self._jogger = Jogger(
             controller, self._worker, lambda said: post(Noted(said)), self._refused
         )
+        self.jog_rate = self._jogger.rate
         self._held: Hold | None = None
         self.shape = shape_of(controller)
         self.switches_tried: frozenset[str] = frozenset()

@@ -4,8 +4,10 @@ import contextlib
 from pathlib import Path
 from typing import Final
 
+from fraese.errors import FraeseError
 from fraese.ui.eventlog import EventLog, Kind
 from fraese.ui.heldkeys import HeldKeys
+from fraese.ui.machinelink import MachineLink
 from fraese.ui.measuring import terminal_name
 from fraese.ui.programs import ProgramDesk
 from fraese.ui.session import Session, SessionFile, keepable, shortened, with_manners
@@ -18,6 +20,7 @@ _KEEP_EVERY_S: Final = 2.0
 class RememberingApp(ViewedApp):
     """An app that goes on where it was left; its file is opened again, and not started."""
 
+    link: MachineLink
     _session: SessionFile
     _programs: ProgramDesk
     _events: EventLog
@@ -30,6 +33,11 @@ class RememberingApp(ViewedApp):
         if self._session.word:
             self._events.add(self._session.word, Kind.WARNING)
         self._strokes.manners = found.held_keys.get(terminal_name(), self._strokes.manners)
+        if found.jog_feed_mm_min is not None:
+            try:
+                self.link.jog_rate.choose(found.jog_feed_mm_min)
+            except FraeseError as error:
+                self._events.add(str(error), Kind.WARNING)
         if found.folder:
             self._programs.last_folder = Path(found.folder)
         if found.file and self._programs.path is None:
@@ -61,6 +69,7 @@ class RememberingApp(ViewedApp):
             theme=self.theme,
             file=keepable(loaded),
             folder=keepable(programs.folder),
+            jog_feed_mm_min=self.link.jog_rate.chosen,
             inputs=shortened(self._inputs),
             held_keys=with_manners(
                 self._session.found.held_keys, terminal_name(), self._strokes.manners

@@ -1,4 +1,4 @@
-"""What the app remembers from one day to the next: view, look, file, what was typed, held keys.
+"""What the app remembers from one day to the next: view, look, file, rate, what was typed, keys.
 
 Rule 1: it is a comfort. What cannot be read, is damaged, or comes from a newer program is
         forgotten, with a word; what cannot be written is let go.
@@ -31,6 +31,7 @@ _NAME, _PATH, _INPUT = 60, 4096, 500
 
 _Name = Annotated[str, Field(max_length=_NAME)]
 _Path = Annotated[str, Field(max_length=_PATH)]
+_Rate = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 _Input = Annotated[str, Field(max_length=_INPUT)]
 
 
@@ -52,6 +53,7 @@ class Session(BaseModel):
         theme: the look.
         file: the program that was open; empty: none.
         folder: where programs were looked for.
+        jog_feed_mm_min: how fast jogs go; None: as the configuration says.
         inputs: what was typed last, by the name of the question.
         held_keys: how keys repeat, by the name of the terminal that was measured.
     """
@@ -63,6 +65,7 @@ class Session(BaseModel):
     theme: _Name = ""
     file: _Path = ""
     folder: _Path = ""
+    jog_feed_mm_min: _Rate | None = None
     inputs: dict[_Name, _Input] = Field({}, max_length=_MOST_INPUTS)
     held_keys: dict[_Name, _Manners] = Field({}, max_length=_MOST_TERMINALS)
 

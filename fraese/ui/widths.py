@@ -56,6 +56,18 @@ class Width:
     label: str
 
 
+def plain_rate(feed_mm_min: float) -> str:
+    """A rate without its unit."""
+    return f"{feed_mm_min:.10g}"
+
+
+def rate_words(feed_mm_min: float, shape: Shape) -> str:
+    """A rate with its unit: 600 mm/min, 90°/min; 600/min where there are axes of both kinds."""
+    number, units = plain_rate(feed_mm_min), shape.units
+    unit = units[0] if len(units) == 1 else ""
+    return f"{number} {unit}/min" if unit == "mm" else f"{number}{unit}/min"
+
+
 def widths(shape: Shape) -> tuple[Width, ...]:
     """What there is to choose from."""
     units = ",".join(shape.units)

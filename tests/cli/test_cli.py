@@ -104,6 +104,14 @@ def test_numbers_below_zero_and_axes_in_many_spellings(shop: Shop) -> None:
     assert shop.json("home", "zX")["referenced"] == {"x": True, "y": False, "z": True}
 
 
+def test_a_jog_goes_with_the_feed_that_is_given(shop: Shop) -> None:
+    assert shop.json("jog", "X", "5", "--feed", "60")["duration_s"] == pytest.approx(5, rel=0.1)
+    assert shop.json("jog", "X", "5")["duration_s"] == pytest.approx(0.5, rel=0.4)
+    result = shop.run("jog", "X", "-5", "--feed", "99999")
+    assert result.exit_code == 0
+    assert "F 99999 mm/min is more than the axes can" in result.stderr
+
+
 def test_zero_and_machine_coordinates(shop: Shop) -> None:
     shop.run("home")
     shop.run("move", "X30")
@@ -129,6 +137,7 @@ BAD_CALLS: list[tuple[tuple[str, ...], str]] = [
     (("jog", "X", "51"), "at most 50 mm"),
     (("jog", "X", "nan"), "not a letter with a number"),
     (("jog", "X", "1Y2"), "a jog is of one axis"),
+    (("jog", "X", "1", "--feed", "0"), "feed is above 0"),
     (("jog", "W", "1"), "no axis W"),
     (("home", "Q"), "no axis Q"),
     (("zero", "xq"), "no axis Q"),

@@ -27,6 +27,7 @@ from fraese.ui.dialogs.form import FormDialog
 from fraese.ui.dialogs.goto import GoToDialog
 from fraese.ui.dialogs.heldkey import HeldKeyPage
 from fraese.ui.dialogs.help import HelpPage
+from fraese.ui.dialogs.jograte import JogRateDialog
 from fraese.ui.dialogs.open import OpenDialog
 from fraese.ui.dialogs.reference import ReferenceDialog
 from fraese.ui.dialogs.resume import ResumeDialog
@@ -74,6 +75,7 @@ DIALOGS: dict[Area, Opener] = {
     Area.START: start_dialog,
     Area.START_THERE: lambda b: WayDialog(b.app._keys, ["to line 3"]),
     Area.GO_TO: lambda b: GoToDialog(b.app._keys, b.app.link, {}),
+    Area.JOG_RATE: lambda b: JogRateDialog(b.app._keys, b.app.link, 600.0),
     Area.TYPED: lambda b: TypedDialog(b.app._keys, b.app.link, ByHand(), LineHistory(None)),
     Area.SET: lambda b: SetDialog(b.app._keys, b.app.link, {}),
     Area.OFFSETS: lambda b: OffsetsDialog(b.app._keys, b.app.link, b.app.link.shape.names),

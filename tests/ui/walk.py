@@ -182,6 +182,9 @@ async def walk(b: Bench) -> AsyncIterator[Stop]:
     yield await _drawn(b, Stop("log", is_view=True))
     b.hand("xmin", False)
     await b.wait(lambda: not b.drawn.switch_closed)
+    # Where no time of day looks out from below the page.
+    await b.press("f2")
+    await _at_rest(b)
     await b.press("f1")
     yield await _drawn(b, Stop("help"))
     await b.press("escape")

@@ -76,11 +76,18 @@ class LineDialog(Dialog[str]):
         if self.query_one("#back", Button).has_focus:
             self.action_back()
             return
-        line = self.line
         try:
-            self.attempt(self.command(line), line)
+            self.accept(self.line)
         except FraeseError as error:
             self.complain(str(error))
+
+    def accept(self, line: str) -> None:
+        """Begin what it says.
+
+        Raises:
+            FraeseError: if it says nothing that can be done.
+        """
+        self.attempt(self.command(line), line)
 
     def attempt(self, command: Command, line: str) -> None:
         """Do it in the machine's thread; what is refused there is said here."""

@@ -38,12 +38,18 @@ BY_HAND: Final = (
         "Feel for work, edge, corner, hole or boss, and set the work zero there.", "Position",
     ),
     Row(
+        Area.MACHINE, "j", "j", "jog_rate", "Jog rate …",
+        "How fast jogs go from the next one on; it is remembered.", "Jog",
+    ),
+    Row(
         Area.MACHINE, "h", "h", "measure_held_key", "Measure a held key …",
         "How this terminal repeats a key that is held, so that a jog begins and ends sooner;"
         " nothing moves meanwhile.", "Jog",
     ),
 )  # fmt: skip
 DIALOGS: Final = (
+    Row(Area.JOG_RATE, "", "Enter", "accept", hint="set"),
+    Row(Area.JOG_RATE, "escape", "Esc", "back", hint="back"),
     Row(Area.TYPED, "", "Enter", "accept", hint="do it"),
     Row(Area.TYPED, "up", "↑", "history(1)", hint="typed before"),
     Row(Area.TYPED, "down", "↓", "history(-1)", hint="typed before"),

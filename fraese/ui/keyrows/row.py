@@ -22,6 +22,7 @@ class Area(Enum):
     START_THERE = "start in the middle"
     LOG = "Log"
     GO_TO = "go to"
+    JOG_RATE = "jog rate"
     TYPED = "type a line"
     SET = "set the position"
     OFFSETS = "work offsets"

@@ -6,11 +6,13 @@ from fraese.control.workcommands import go_to_zero
 from fraese.phrases import spoken
 from fraese.ui.dialogs.byhand import ProbeDialog, SetDialog, TypedDialog
 from fraese.ui.dialogs.heldkey import HeldKeyPage
+from fraese.ui.dialogs.jograte import JogRateDialog
 from fraese.ui.dialogs.macro import MacroDialog
 from fraese.ui.dialogs.tables import OffsetsDialog, ToolsDialog
 from fraese.ui.macros import Macro
 from fraese.ui.views.afterfaults import AfterFaults
 from fraese.ui.views.view import BUSY
+from fraese.ui.widths import rate_words
 
 
 class ByHand(AfterFaults):
@@ -75,6 +77,18 @@ class ByHand(AfterFaults):
             self.refuse(BUSY)
         else:
             self.app.push_screen(HeldKeyPage(self.desk.keys, self.desk.strokes))
+
+    def action_jog_rate(self) -> None:
+        """How fast jogs go."""
+        link = self.desk.link
+        dialog = JogRateDialog(self.desk.keys, link, link.jog_rate.configured_mm_min)
+        self.app.push_screen(dialog, self._tell_jog_rate)
+
+    def _tell_jog_rate(self, line: str | None) -> None:
+        if line is not None:
+            link = self.desk.link
+            words = rate_words(link.jog_rate.feed_mm_min, link.shape)
+            self.note(spoken("From now on jogs go with {words}.", words=words))
 
     def action_tools(self) -> None:
         """The tool table."""

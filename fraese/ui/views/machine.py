@@ -32,7 +32,7 @@ from fraese.ui.widgets.links import Link
 from fraese.ui.widgets.position import PositionPanel
 from fraese.ui.widgets.programpane import ProgramPane
 from fraese.ui.widgets.status import JobLine, WidthBar
-from fraese.ui.widths import FIRST_WIDTH, widths
+from fraese.ui.widths import FIRST_WIDTH, rate_words, widths
 
 PICTURES: Final = ("commands", "path")
 #: Strokes that set nothing in motion, and why.
@@ -65,7 +65,8 @@ class MachineView(RunsPrograms, ByHand):
         self._program = Flowing(spoken("no program"), id="program")
         self._panel = PositionPanel(shape)
         width_keys = [row for row in keys.commands if row.action.startswith("set_width")]
-        self._widths = WidthBar(self._choice, width_keys)
+        rate_key = next(row for row in keys.commands if row.action == "jog_rate")
+        self._widths = WidthBar(self._choice, width_keys, rate_key)
         self._pane = ProgramPane(desk.programs, self.state, keys.said("open"))
         self._job = JobLine(keys.said("acknowledge"))
 
@@ -130,6 +131,8 @@ class MachineView(RunsPrograms, ByHand):
     def show_inner(self, state: MachineState) -> None:
         """Draw what changed."""
         self._panel.show(state)
+        link = self.desk.link
+        self._widths.show_rate(rate_words(link.jog_rate.feed_mm_min, link.shape))
         self._show_job()
         self._pane.show(state)
 

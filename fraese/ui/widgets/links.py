@@ -32,6 +32,12 @@ class Link(Static):
         key = "bold" if self.has_class("-chosen") else "bold $accent"
         return Content.assemble((self._key, key), " ", self._title)
 
+    def show_title(self, title: str) -> None:
+        """This stands behind the key from now on."""
+        if title != self._title:
+            self._title = title
+            self.refresh(layout=True)
+
     def on_click(self) -> None:
         """Tell the screen."""
         self.post_message(self.Clicked(self._action))

@@ -52,14 +52,15 @@ def waiting_words(waiting: Sequence[tuple[str, int]]) -> str:
 
 
 class WidthBar(Horizontal):
-    """The jog widths to choose from.
+    """The jog widths to choose from, and how fast jogs go.
 
     Args:
         choice: the widths,
         keys: and their keys with the actions.
+        rate_key: that of the rate, likewise.
     """
 
-    def __init__(self, choice: Sequence[Width], keys: Sequence[Row]) -> None:
+    def __init__(self, choice: Sequence[Width], keys: Sequence[Row], rate_key: Row) -> None:
         super().__init__(id="widths")
         self._choice = choice
         self._links = [
@@ -67,12 +68,18 @@ class WidthBar(Horizontal):
             for key, width in zip(keys, choice, strict=True)
         ]
         self._note = Fact("", id="width-note")
+        self._rate = Link(rate_key.action, rate_key.shown, "")
 
     def compose(self) -> ComposeResult:
-        """Heading, widths, and the factor of the repeat rule."""
+        """Heading, widths, the factor of the repeat rule, and the rate."""
         yield Fact(spoken("jog"), classes="heading")
         yield from self._links
         yield self._note
+        yield self._rate
+
+    def show_rate(self, words: str) -> None:
+        """How fast jogs go."""
+        self._rate.show_title(words)
 
     def show(self, chosen: int, factor: int) -> None:
         """Mark the chosen width; the factor at the width of one step."""
