@@ -262,6 +262,7 @@ class RunLoop:
             self.runner.give_up()
             self.status = Status.OK
             self._following.forget()
+            self.unfinished.end(done=False)
             raise
 
     def _follow(self) -> None:

@@ -2,6 +2,8 @@
 
 Rule 1: what moves between two programs (a jog, a reference run) changes nothing about it. It is
         forgotten when it ends well, or another one is begun.
+Rule 2: one that was refused, or stopped before its first move, has not begun: what was there before
+        can still be gone on with.
 """
 
 from collections.abc import Mapping
@@ -39,7 +41,10 @@ class Unfinished:
     def end(self, *, done: bool) -> None:
         """It is over."""
         if self._note is not None:
-            self.left = None if done else self.known()
+            if done:
+                self.left = None
+            elif self._queue.tag:
+                self.left = self.known()
             self._note = None
 
     @property

@@ -56,6 +56,18 @@ def test_what_moves_between_two_programs_changes_nothing() -> None:
     assert kept.place == CutShort("one", 7)
 
 
+def test_one_that_was_refused_before_its_first_move_leaves_what_was_there_before() -> None:
+    kept, queue = unfinished()
+    kept.begin(a_note("one"))
+    queue.tag = 7
+    kept.end(done=False)
+    kept.begin(a_note("two"))
+    queue.tag = 0
+    assert kept.known() == {"name": "two", "line": 0, "parameters": {5220: 1.0}}, "of a crash"
+    kept.end(done=False)
+    assert kept.place == CutShort("one", 7)
+
+
 def test_one_that_is_given_up_for_another_is_cut_short_until_that_begins() -> None:
     kept, queue = unfinished()
     kept.begin(a_note("one"))

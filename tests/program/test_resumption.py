@@ -71,3 +71,21 @@ def test_whoever_looks_at_a_machine_that_is_driven_is_told_of_no_program_to_go_o
     made.close()
     again = assemble(Config(), state=tmp_path / "state", at_desk=True)
     assert again.controller.keep().job is not None
+
+
+def test_a_start_that_is_refused_leaves_what_can_be_gone_on_with(tmp_path: Path) -> None:
+    made, kept = cut_short(tmp_path)
+    before = made.controller.state().cut_short
+    assert before is not None
+    assert before.name == "part.ngc"
+    (tmp_path / "other.ngc").write_text("G21 G90 F600\nG1 X1\nM2\n")
+    for path in ("other.ngc", "part.ngc"):
+        other = open_program(tmp_path / path, kept=kept)
+        other.start(made.controller, from_line=1000)
+        assert made.controller.run() is Status.ERROR
+        assert "nothing to run from line 1000" in made.controller.state().message
+        made.controller.acknowledge()
+        assert made.controller.state().cut_short == before
+    Resumption.of(made.controller, kept).start(made.controller)
+    assert made.controller.run() is Status.OK
+    assert made.controller.state().position_mm == (0, 0, 0)
