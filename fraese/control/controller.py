@@ -16,6 +16,7 @@ from typing import Any
 from fraese.anythread import any_thread
 from fraese.config import Config
 from fraese.control.about import PLAIN, About
+from fraese.control.aims import Aims
 from fraese.control.commands import Commands
 from fraese.control.cutting import CuttingHistory
 from fraese.control.endswitches import EndSwitches
@@ -54,6 +55,7 @@ class Controller(Commands):
         switches: the end switches and the probe.
         handling: overrides, and how programs are run.
         cutting: feed and spindle of the program in hand, or of the last one.
+        aims: where the moves of the program in hand end.
     """
 
     def __init__(
@@ -82,6 +84,7 @@ class Controller(Commands):
         self.switches = EndSwitches(config, self.position, driver)
         keeper = recorder or Recorder()
         self._queue = MotionQueue(driver, self.position, self.switches, keeper, handling)
+        self.aims = Aims(self._queue, self.position)
         # The first words with the driver; until here nobody has spoken to it.
         self._queue.open()
         self.switches.open()
@@ -249,5 +252,6 @@ class Controller(Commands):
             step_word=self.step_word,
             seen=self._onlooker.look(),
             cutting=self.cutting,
+            aims=self.aims,
             tools=self.config.tools,
         )

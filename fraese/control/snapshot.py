@@ -10,6 +10,7 @@ from typing import Any
 
 from fraese.anythread import any_thread
 from fraese.config.work import ToolConfig
+from fraese.control.aims import Aims
 from fraese.control.cutting import CuttingHistory
 from fraese.control.endswitches import EndSwitches
 from fraese.control.jobs import move_of
@@ -33,6 +34,7 @@ def snapshot(
     step_word: str,
     seen: Seen,
     cutting: CuttingHistory,
+    aims: Aims,
     tools: Mapping[str, ToolConfig],
 ) -> MachineState:
     """Everything that can be shown, as it is now.
@@ -46,6 +48,7 @@ def snapshot(
         step_word: what the card calls one step.
         seen: what an onlooker sees.
         cutting: feed and spindle.
+        aims: where the move in hand ends.
         tools: the tool table.
     """
     report, job = queue.report, loop.progress()
@@ -54,6 +57,7 @@ def snapshot(
     return MachineState(
         **_of_axes(where.machine.axes),
         **_wanted(queue),
+        **_watched(seen),
         status=loop.status,
         message=loop.message,
         alarm=loop.alarm.kind if loop.alarm else None,
@@ -80,10 +84,7 @@ def snapshot(
         question=runner.question,
         waits_for=runner.waits_for,
         step_word=step_word,
-        carriages_mm=seen.carriages_mm,
-        lost_steps=seen.lost_steps,
-        lost_why=seen.lost_why,
-        to_go_mm=where.to_go_mm if loop.status is Status.RUN else (),
+        to_go_mm=aims.to_go_mm if loop.status is Status.RUN else (),
         phases=report.phases,
         cut_short=loop.unfinished.place,
     )
@@ -96,6 +97,15 @@ def _of_axes(axes: Sequence[Axis]) -> dict[str, Any]:
         "low_mm": tuple(axis.low_mm for axis in axes),
         "high_mm": tuple(axis.high_mm for axis in axes),
         "units": tuple(axis.unit for axis in axes),
+    }
+
+
+def _watched(seen: Seen) -> dict[str, Any]:
+    """What no driver can know."""
+    return {
+        "carriages_mm": seen.carriages_mm,
+        "lost_steps": seen.lost_steps,
+        "lost_why": seen.lost_why,
     }
 
 

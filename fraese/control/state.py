@@ -165,7 +165,8 @@ class MachineState:
             compared with ``position_mm``; for the zero see ``control/onlooker.py``.
         lost_steps: likewise, steps of this job that were asked for and not made, signed.
         lost_why: likewise, why, half a sentence; empty: none.
-        to_go_mm: what is left of the jog or move by hand in hand; 0 in a program.
+        to_go_mm: what is left of the move in hand, by hand or of a program, per axis; empty at
+            rest.
         phases: phase index of every motor; on a drive of its own it says nothing.
         cut_short: the last program, if it was; None: it ended well, or another one runs.
     """

@@ -13,7 +13,7 @@ Rule 3: blocks so far always allow a stop within themselves; after ``drain`` the
 Rule 4: memory does not grow with the length of the program, nor with that of an arc.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Final
 
 from fraese.blocks import OVERRIDES, Q8, RAPID_OVERRIDES, Block, Outputs, Watch, dwell
@@ -42,6 +42,9 @@ class Planner:
         start_steps: where the axes are, in axis steps.
         options: what can be chosen.
         slack_steps: of each axis' backlash, see ``backlash``; None: nil.
+
+    Attributes:
+        tell: told where each move ends, by its tag; of merged ones the line that they became.
     """
 
     def __init__(
@@ -62,6 +65,7 @@ class Planner:
         self._tolerance_mm = 0.0
         self._override = self._rapid = 1.0
         self._keeps_feed = False
+        self.tell: Callable[[int, Point], object] | None = None
         self._begin_at(start_steps, slack_steps or (0,) * len(machine.axes))
 
     def _begin_at(self, position_steps: Steps, slack_steps: Steps) -> None:
@@ -130,6 +134,8 @@ class Planner:
     def _line(self, to_mm: Point, feed_mm_s: float, tag: int) -> Iterable[Block]:
         parts = self._targets.go(to_mm, feed_mm_s, UNLIMITED, tag)
         self._target_mm = to_mm
+        if self.tell is not None:
+            self.tell(tag, to_mm)
         if parts is not None:
             return parts
         window = self._window
@@ -178,6 +184,8 @@ class Planner:
         feed_mm_s = self._begin(feed_mm_min)
         shape = arc_shape(self._target_mm, to_mm, centre_mm, plane, turns, self._planes)
         self._target_mm = to_mm
+        if self.tell is not None:
+            self.tell(tag, to_mm)
         self._targets.streaming = True
         axes = [self._machine.axes[axis] for axis in shape.axes]
         inward_mm_s2 = min(axis.acceleration_hz_s / float(axis.steps_per_mm) for axis in axes)
@@ -216,6 +224,8 @@ class Planner:
         blocks = list(self.drain())
         self._targets.go(to_mm, feed_mm_s, UNLIMITED, tag, watch)
         self._target_mm = to_mm
+        if self.tell is not None:
+            self.tell(tag, to_mm)
         return blocks + self._window.settle(everything=True)
 
     def dwell(self, duration_s: float, tag: int = 0) -> Sequence[Block]:
@@ -340,4 +350,6 @@ class Planner:
         if chain.end is None:
             return None
         end_mm, chain.end = chain.end, None
+        if self.tell is not None:
+            self.tell(chain.tag, end_mm)
         return self._targets.go(end_mm, chain.feed_mm_s, UNLIMITED, chain.tag)

@@ -208,6 +208,7 @@ class Program:
 
         def job() -> Job:
             controller.position.offsets.follow(history.in_force, history.put)
+            translation.planner.tell = controller.aims.begin()
             try:
                 guarded = Survey(context, source).guard(history.watch(moves), str(self.path))
                 yield from _cutting(controller, translation.blocks(guarded))

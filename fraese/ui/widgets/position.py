@@ -57,10 +57,11 @@ class AxisRow(Vertical):
     def _made_of(self, state: MachineState) -> list[str]:
         """What the number is made of, the most important first."""
         i = self._index
-        to_go = state.to_go_mm[i] if state.to_go_mm else 0.0
         known = state.referenced[i]
         mark = spoken("● ref") if known else spoken("○ NOT REFERENCED")
-        way = [spoken("to go   {short}", short=self._short(to_go))] if to_go else []
+        # While one axis has some way to go all say so: lines that change places are not read.
+        to_go = state.to_go_mm if any(state.to_go_mm) else ()
+        way = [spoken("to go   {short}", short=self._short(to_go[i]))] if to_go else []
         return [
             spoken("machine {short}", short=self._short(state.position_mm[i])),
             spoken("offset  {short}", short=self._short(state.offset_mm[i])),
