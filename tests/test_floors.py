@@ -73,6 +73,8 @@ def test_the_house_as_it_stands_breaks_nothing(house: Path) -> None:
         ("ui/feed.py", "from fraese import workframe", "The UI"),
         ("ui/feed.py", "from fraese import feedway", "The UI"),
         ("program/source.py", "import rich", "The terminal"),
+        ("engrave/tools.py", "from fraese.gcode import canon", "Floors"),
+        ("engrave/sketch.py", "import rich", "The terminal"),
         ("workframe.py", "import rich", "The terminal"),
         ("anythread.py", "import typer", "The terminal"),
         ("feedway.py", "import textual", "The terminal"),

@@ -7,9 +7,9 @@ import typer
 
 from fraese.axiswords import axes_named
 from fraese.cli.histogram import histogram
-from fraese.cli.options import VALUES
+from fraese.cli.options import VALUES, with_options
 from fraese.cli.output import note
-from fraese.cli.shared import Answering, Drive, with_options
+from fraese.cli.shared import Answering, Drive
 from fraese.config.edit import as_toml, file_to_write, set_keys
 from fraese.control.calibration.backlash import BacklashTest
 from fraese.control.calibration.frequency import FrequencyTest

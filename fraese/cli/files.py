@@ -10,9 +10,9 @@ from fraese.assembly.misfits import described
 from fraese.cli import appkeys, language
 from fraese.cli.leaving import leave
 from fraese.cli.looking import Looking
-from fraese.cli.options import ConfigOption, FileArgument
+from fraese.cli.options import ConfigOption, FileArgument, with_options
 from fraese.cli.output import note, say, write
-from fraese.cli.shared import StartingPlace, with_options
+from fraese.cli.shared import StartingPlace
 from fraese.config import file as configuration
 from fraese.errors import ProgramError, StateError, UsageError, placed
 from fraese.gcode.jsonl import as_dict

@@ -8,9 +8,9 @@ import typer
 from fraese.axiswords import axes_named, axis_words, target
 from fraese.cli.leaving import leave
 from fraese.cli.looking import Looking, tell_others
-from fraese.cli.options import VALUES, FileArgument
+from fraese.cli.options import VALUES, FileArgument, with_options
 from fraese.cli.output import note
-from fraese.cli.shared import Answering, Drive, Place, StartingPlace, with_options
+from fraese.cli.shared import Answering, Drive, Place, StartingPlace
 from fraese.cli.switchwatch import watch_switches
 from fraese.control.asleft import take_as_left
 from fraese.control.controller import Controller

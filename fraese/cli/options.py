@@ -1,7 +1,11 @@
 """Options and arguments that commands share. Nothing of the machine is imported for them."""
 
+import dataclasses
+import functools
+import inspect
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Any, Final, get_type_hints
 
 import typer
 
@@ -52,3 +56,31 @@ FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Program or c
 
 #: Words such as -1.5 or X-3 are values here, not options.
 VALUES: Final = {"ignore_unknown_options": True}
+
+_BY_NAME: Final = inspect.Parameter.KEYWORD_ONLY
+
+
+def with_options(function: Callable[..., None]) -> Callable[..., None]:
+    """Let typer see the fields of the parameter ``on`` as options of their own."""
+    hints = get_type_hints(function, include_extras=True)
+    on = hints["on"]
+    types = get_type_hints(on, include_extras=True)
+    shared = {
+        field.name: inspect.Parameter(
+            field.name, _BY_NAME, default=field.default, annotation=types[field.name]
+        )
+        for field in dataclasses.fields(on)
+    }
+    parameters: list[inspect.Parameter] = []
+    for name, parameter in inspect.signature(function).parameters.items():
+        seen = parameter.replace(kind=_BY_NAME, annotation=hints[name])
+        parameters += shared.values() if name == "on" else [seen]
+
+    @functools.wraps(function)
+    def command(**values: Any) -> None:
+        given = {name: values.pop(name) for name in shared}
+        function(on=on(**given), **values)
+
+    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    command.__annotations__ = {each.name: each.annotation for each in parameters}
+    return command

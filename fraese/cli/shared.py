@@ -1,7 +1,7 @@
 """What commands share that work on a machine.
 
-A command says which options it shares by the type of its parameter ``on``; ``with_options``
-shows their fields to typer as options of their own:
+A command says which options it shares by the type of its parameter ``on``
+(``options.with_options``):
 
     Place          --config --json --state
     StartingPlace  ... and --fresh
@@ -9,13 +9,10 @@ shows their fields to typer as options of their own:
     Answering      ... and --yes --answer
 """
 
-import dataclasses
-import functools
-import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, cast, get_type_hints
+from typing import Final, cast
 
 import typer
 
@@ -43,7 +40,6 @@ from fraese.phrases import phrase
 
 #: What is said of Ctrl-C by a command that moves something without a job.
 MOTORS_OFF: Final = phrase("Cancelled; the motors are off.")
-_BY_NAME: Final = inspect.Parameter.KEYWORD_ONLY
 
 
 @dataclass(frozen=True)
@@ -130,29 +126,3 @@ def _code_of(error: BaseException) -> int:
     if isinstance(error, KeyboardInterrupt | typer.Abort):
         return Cancelled.exit_code
     return error.exit_code if isinstance(error, FraeseError) else 1
-
-
-def with_options(function: Callable[..., None]) -> Callable[..., None]:
-    """Let typer see the fields of the parameter ``on`` as options of their own."""
-    hints = get_type_hints(function, include_extras=True)
-    on = hints["on"]
-    types = get_type_hints(on, include_extras=True)
-    shared = {
-        field.name: inspect.Parameter(
-            field.name, _BY_NAME, default=field.default, annotation=types[field.name]
-        )
-        for field in dataclasses.fields(on)
-    }
-    parameters: list[inspect.Parameter] = []
-    for name, parameter in inspect.signature(function).parameters.items():
-        seen = parameter.replace(kind=_BY_NAME, annotation=hints[name])
-        parameters += shared.values() if name == "on" else [seen]
-
-    @functools.wraps(function)
-    def command(**values: Any) -> None:
-        given = {name: values.pop(name) for name in shared}
-        function(on=on(**given), **values)
-
-    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    command.__annotations__ = {each.name: each.annotation for each in parameters}
-    return command

@@ -28,6 +28,7 @@ MODULES: Final[Mapping[str, str]] = {
         "x4step": "x4step",
         "scancodes": "scancodes",
         "trace": "trace",
+        "engrave": "engrave",
         "alarms": "alarms",
     }.items()
     for name in names.split()

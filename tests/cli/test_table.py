@@ -26,6 +26,9 @@ def test_every_command_of_a_module_is_in_it(module: str) -> None:
     [
         (["alarms"], "fraese.config"),
         (["where"], "numpy"),
+        (["where"], "PIL"),
+        (["check", "part.ngc"], "fraese.engrave"),
+        (["engrave", "--help"], "numpy"),
         (["check", "part.ngc"], "numpy"),
         (["run", "part.ngc"], "numpy"),
         (["where"], "fraese.motor.bridge.driver"),

@@ -8,12 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fraese.control.state import JobProgress, MachineState, Status
+from fraese.dots import BRAILLE, HALVES, Cell, Dots
 from fraese.program.check import Complaint, Facts
 from fraese.program.outline import Outline
 from fraese.program.wants import Wants
 from fraese.ui.briefing import lines, may_start, problems
 from fraese.ui.shape import AxisShape, Shape
-from fraese.ui.widgets.dots import BRAILLE, HALVES, Cell, Dots
 from fraese.ui.widgets.progress import bar, times
 from fraese.ui.widgets.projection import ISO, SIDES, XY, Projection, box_edges, round_length_mm
 from fraese.ui.widgets.scene import Scene, travel_box

@@ -22,8 +22,8 @@ from textual.geometry import Offset, Region
 from textual.strip import Strip
 from textual.widget import Widget
 
+from fraese.dots import BRAILLE, HALVES, Cell, Dots
 from fraese.phrases import spoken
-from fraese.ui.widgets.dots import BRAILLE, HALVES, Cell, Dots
 from fraese.ui.widgets.projection import (
     Projection,
     Side,

@@ -40,6 +40,8 @@ BRAILLE: Final = Cell(
     " " + "".join(chr(0x2800 + n) for n in range(1, 256)),
 )
 HALVES: Final = Cell(1, 2, np.array([[1], [2]]), " ▀▄█")
+#: For terminals that have neither.
+ASCII: Final = Cell(1, 2, np.array([[1], [2]]), " '.:")
 
 
 class Dots:
