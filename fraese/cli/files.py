@@ -10,7 +10,7 @@ from fraese.assembly.misfits import described
 from fraese.cli import appkeys, language
 from fraese.cli.leaving import leave
 from fraese.cli.looking import Looking
-from fraese.cli.options import ConfigOption, FileArgument, with_options
+from fraese.cli.options import ConfigOption, FileArgument, HeightMapOption, with_options
 from fraese.cli.output import note, say, write
 from fraese.cli.shared import StartingPlace
 from fraese.config import file as configuration
@@ -20,6 +20,7 @@ from fraese.machine import Machine, three_decimals
 from fraese.phrases import joined, phrase
 from fraese.program.check import Facts, check_program
 from fraese.program.context import ProgramContext
+from fraese.program.mapped import TakenMap, about_map, heights_of, take_map
 from fraese.program.program import require_reference
 from fraese.program.source import ProgramSource
 from fraese.program.taken import take_program
@@ -39,16 +40,21 @@ def check(
     file: FileArgument,
     *,
     on: StartingPlace,
+    height_map: HeightMapOption = None,
 ) -> None:
     """Look a program through: everything but the motors."""
 
     def go() -> int:
+        taken = None if height_map is None else take_map(height_map)
         plant = on.plant(at_desk=True)
-        facts = _looked_through(file, ProgramContext.of(plant.controller))
+        context = ProgramContext.of(plant.controller, heights_of(taken))
+        facts = _looked_through(file, context)
         plant.controller.close()
         if on.as_json:
-            say(json.dumps(_facts_as_dict(facts, plant.controller.machine)))
+            say(json.dumps(_facts_as_dict(facts, plant.controller.machine) | _map_as_dict(taken)))
         else:
+            for line in about_map(taken, context) if taken else ():
+                note(line)
             _print_facts(file, facts, plant.controller.machine)
         return 0 if facts.ok else UsageError.exit_code
 
@@ -86,6 +92,21 @@ def _facts_as_dict(facts: Facts, machine: Machine) -> dict[str, object]:
         "length_mm": round(facts.length_mm, 3),
         "lines": facts.lines,
         "blocks": facts.blocks,
+    }
+
+
+def _map_as_dict(taken: TakenMap | None) -> dict[str, object]:
+    if taken is None:
+        return {}
+    heights = taken.heights
+    return {
+        "height_map": {
+            "file": str(taken.path),
+            "x_mm": [heights.x_mm[0], heights.x_mm[-1]],
+            "y_mm": [heights.y_mm[0], heights.y_mm[-1]],
+            "heights_mm": [heights.lowest_mm, heights.highest_mm],
+            "reference_mm": list(heights.reference_mm),
+        }
     }
 
 

@@ -8,7 +8,7 @@ import typer
 from fraese.axiswords import axes_named, axis_words, target
 from fraese.cli.leaving import leave
 from fraese.cli.looking import Looking, tell_others
-from fraese.cli.options import VALUES, FileArgument, with_options
+from fraese.cli.options import VALUES, FileArgument, HeightMapOption, with_options
 from fraese.cli.output import note
 from fraese.cli.shared import Answering, Drive, Place, StartingPlace
 from fraese.cli.switchwatch import watch_switches
@@ -21,6 +21,7 @@ from fraese.program.check import Facts
 from fraese.program.context import ProgramContext, tool_table
 from fraese.program.interrupted import cut_short
 from fraese.program.kept import KeptPrograms
+from fraese.program.mapped import about_map, take_map
 from fraese.program.program import Program, open_program
 from fraese.program.resumption import Resumption
 
@@ -48,11 +49,16 @@ def run(
     from_line: Annotated[
         int, typer.Option("--from-line", metavar="N", min=1, help="Begin at this line.")
     ] = 1,
+    height_map: HeightMapOption = None,
 ) -> None:
     """Run a program: G-code, or a list of coordinates."""
 
     def action(controller: Controller) -> None:
         program = open_program(file, kept=KeptPrograms(on.folder), drawn=False)
+        if height_map is not None:
+            program.heights = take_map(height_map)
+            for line in about_map(program.heights, ProgramContext.of(controller)):
+                note(line)
         facts = None if stream else _looked_through(program, controller)
         if from_line > 1:
             _announce(program.way_from(controller, from_line), on.yes)

@@ -52,6 +52,12 @@ AnswerOption = Annotated[
         help='What would be typed at the next question, as in "zero Z"; "" goes on.',
     ),
 ]
+HeightMapOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--height-map", metavar="MAP", help="Bend the moves to heights from fraese probe-map."
+    ),
+]
 FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Program or coordinate list.")]
 
 #: Words such as -1.5 or X-3 are values here, not options.

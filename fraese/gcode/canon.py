@@ -8,7 +8,7 @@ Rule 3  Some moves are questions to the outside (``BARRIERS``): whoever consumes
         generator answers them with ``send(Facts(...))`` once the machine stands still.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Literal
@@ -28,10 +28,14 @@ class PathMode(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Rapid:
-    """Straight to ``to`` as fast as the axes can."""
+    """Straight to ``to`` as fast as the axes can.
+
+    ``is_place``: in Z that is a place of the machine (G53, G28, G30), wherever the work lies.
+    """
 
     line: int
     to: Point
+    is_place: bool = field(default=False, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,12 +43,13 @@ class Feed:
     """Straight to ``to``; an inverse time feed is already turned into mm/min.
 
     The feed is along X, Y and Z if any of them moves, else along U, V and W, else along A, B and
-    C; in degrees/min where that means rotary axes only.
+    C; in degrees/min where that means rotary axes only. ``is_place``: as of a rapid.
     """
 
     line: int
     to: Point
     feed_mm_min: float
+    is_place: bool = field(default=False, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +68,23 @@ class Arc:
     plane: Plane
     turns: int
     feed_mm_min: float
+
+
+@dataclass(frozen=True, slots=True)
+class Along:
+    """One move that leads along many points, straight from each to the next: a bent one.
+
+    ``points``: in their order, the last one is ``to``; they can be asked for again and again.
+    ``feed_mm_min``: None means as fast as the axes can. ``radius_mm``: of the arc in ``plane`` that
+    it was; 0 means a straight line. The language itself makes none: see ``heightmap``.
+    """
+
+    line: int
+    to: Point
+    points: Iterable[Point] = field(repr=False)
+    feed_mm_min: float | None
+    plane: Plane = 17
+    radius_mm: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,6 +209,7 @@ Move = (
     Rapid
     | Feed
     | Arc
+    | Along
     | Dwell
     | Probe
     | Spindle
@@ -201,7 +224,7 @@ Move = (
     | Breath
 )
 BARRIERS: frozenset[type] = frozenset({Probe, Tool, Pause})
-MOTIONS: frozenset[type] = frozenset({Rapid, Feed, Arc, Probe})
+MOTIONS: frozenset[type] = frozenset({Rapid, Feed, Arc, Along, Probe})
 
 
 @dataclass(frozen=True, slots=True)

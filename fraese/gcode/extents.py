@@ -1,6 +1,7 @@
-"""How far an arc reaches, and how long it is."""
+"""How far an arc or another course reaches, and how long it is."""
 
 import math
+from collections.abc import Iterable
 
 from fraese.gcode.axes import Axes
 from fraese.gcode.canon import Arc
@@ -8,6 +9,25 @@ from fraese.phrases import phrase
 from fraese.workframe import Point
 
 _QUARTER = math.pi / 2
+
+
+def course_extent(start: Point, points: Iterable[Point], axes: Axes) -> tuple[Point, Point, float]:
+    """The same of a way along many points; its start is not in the box.
+
+    Args:
+        start: where it begins, machine mm.
+        points: in their order.
+        axes: of the machine.
+    """
+    before, length_mm = start, 0.0
+    low: Point = (math.inf,) * len(start)
+    high: Point = (-math.inf,) * len(start)
+    for point in points:
+        low, high = tuple(map(min, low, point)), tuple(map(max, high, point))
+        way = axes.way(before, point)
+        length_mm += 0.0 if way.is_angle else way.length
+        before = point
+    return low, high, length_mm
 
 
 def arc_extent(start: Point, arc: Arc, axes: Axes) -> tuple[Point, Point, float]:

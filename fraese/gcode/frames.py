@@ -254,7 +254,7 @@ class Frames:
             home if every or chosen else old
             for home, chosen, old in zip(stored, given, position.at, strict=True)
         )
-        yield Rapid(position.line, position.machine)
+        yield Rapid(position.line, position.machine, "z" in homed)
 
     def _moved_home(self, given: Sequence[bool]) -> list[str]:
         """Letters of the machine's axes that G28 and G30 move: those that are given, or all."""

@@ -34,6 +34,8 @@ _KINDS: dict[type, str] = {
 }
 # What is said to the operator or to the planner, and moves nothing.
 _SILENT = (Message, PathControl, Overrides, Offsets, Breath)
+# Said elsewhere, or to a stage that is not asked here.
+_HIDDEN = ("line", "is_place")
 
 
 def as_dict(move: Move) -> Json | None:
@@ -50,7 +52,7 @@ def as_dict(move: Move) -> Json | None:
         return None
     result: Json = {"line": move.line, "kind": _KINDS[type(move)]}
     for key in move.__slots__:
-        if key != "line":
+        if key not in _HIDDEN:
             value = getattr(move, key)
             result[key] = list(value) if isinstance(value, tuple) else value
     return result

@@ -102,8 +102,9 @@ class Motion(Position):
         self.fix(letters)
         self.at = frame.to_work(to)
         if code == 0:
-            return (Rapid(self.line, to),)
-        return (Feed(self.line, to, self.feed_for(block, self.axes.way(here, to), code)),)
+            return (Rapid(self.line, to, "z" in letters),)
+        feed_mm_min = self.feed_for(block, self.axes.way(here, to), code)
+        return (Feed(self.line, to, feed_mm_min, "z" in letters),)
 
     # Arcs
 

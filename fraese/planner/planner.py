@@ -13,6 +13,7 @@ Rule 3: blocks so far always allow a stop within themselves; after ``drain`` the
 Rule 4: memory does not grow with the length of the program, nor with that of an arc.
 """
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Final
 
@@ -187,23 +188,58 @@ class Planner:
         if self.tell is not None:
             self.tell(tag, to_mm)
         self._targets.streaming = True
-        axes = [self._machine.axes[axis] for axis in shape.axes]
-        inward_mm_s2 = min(axis.acceleration_hz_s / float(axis.steps_per_mm) for axis in axes)
-        rest_mm_s = min(axis.start_rate_hz / float(axis.steps_per_mm) for axis in axes)
-        curve_mm_s = max(rest_mm_s, (inward_mm_s2 * shape.radius_mm) ** 0.5)
+        curve_mm_s = self._curve_mm_s(plane, shape.radius_mm)
         return self._walk(
             shape.corners(self._options.chord_tolerance_mm), feed_mm_s, curve_mm_s, tag
         )
 
+    def along(
+        self,
+        points_mm: Iterable[Point],
+        to_mm: Point,
+        feed_mm_min: float | None,
+        tag: int = 0,
+        *,
+        plane: int = 17,
+        radius_mm: float = 0.0,
+    ) -> Iterator[Block]:
+        """One move along many points; to be iterated to its end.
+
+        Args:
+            points_mm: in machine coordinates, the last one is
+            to_mm: its end.
+            feed_mm_min: as for ``line``.
+            tag: seen in reports.
+            plane: of an arc.
+            radius_mm: of it; 0: the points lie on a line that is nearly straight.
+
+        Raises:
+            ValueError: if the feed is not positive, or the machine has no such plane.
+        """
+        feed_mm_s = self._begin(feed_mm_min)
+        self._target_mm = to_mm
+        if self.tell is not None:
+            self.tell(tag, to_mm)
+        self._targets.streaming = True
+        curve_mm_s = self._curve_mm_s(plane, radius_mm) if radius_mm else UNLIMITED
+        return self._walk(points_mm, feed_mm_s, curve_mm_s, tag)
+
+    def _curve_mm_s(self, plane: int, radius_mm: float) -> float:
+        """How fast an arc may be: what the axes can turn round by, or start with."""
+        axes = [self._machine.axes[axis] for axis in self._planes[plane]]
+        inward_mm_s2 = min(axis.acceleration_hz_s / float(axis.steps_per_mm) for axis in axes)
+        rest_mm_s = min(axis.start_rate_hz / float(axis.steps_per_mm) for axis in axes)
+        return max(rest_mm_s, math.sqrt(inward_mm_s2 * radius_mm))
+
     def _walk(
-        self, corners: Iterator[Point], feed_mm_s: float, curve_mm_s: float, tag: int
+        self, corners: Iterable[Point], feed_mm_s: float, curve_mm_s: float, tag: int
     ) -> Iterator[Block]:
         yield from self._end_chain() or ()
         targets, window = self._targets, self._window
         for corner in corners:
             yield from targets.go(corner, feed_mm_s, curve_mm_s, tag) or ()
             targets.streaming = True
-            # Only the ends of an arc are corners of the program.
+            # Only the ends of an arc, or of another course, are corners of the program.
             targets.exact_stop = False
             if window.due:
                 yield from window.settle()

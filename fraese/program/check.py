@@ -17,7 +17,7 @@ from fraese.blocks import Block
 from fraese.control.softlimits import why_not, within_travel
 from fraese.errors import LimitError, ProgramError, placed
 from fraese.gcode import canon
-from fraese.gcode.extents import arc_extent
+from fraese.gcode.extents import arc_extent, course_extent
 from fraese.machine import Millimetres
 from fraese.motor.seams import Report
 from fraese.phrases import phrase
@@ -41,7 +41,7 @@ _MOST_WARNINGS: Final = 20
 #: With more refused lines the rest is not worth reading.
 _MOST_ERRORS: Final = 50
 #: What has a feed of its own.
-_FED: Final = (canon.Feed, canon.Arc)
+_FED: Final = (canon.Feed, canon.Arc, canon.Along)
 #: Who goes further out, in travels of an axis, means no place: planning it would take for ever.
 _LOST_TRAVELS: Final = 100
 
@@ -188,6 +188,8 @@ class Survey:
         axes, before = self.source.axes, self._at
         if isinstance(move, canon.Arc):
             low, high, length_mm = arc_extent(before, move, axes)
+        elif isinstance(move, canon.Along):
+            low, high, length_mm = course_extent(before, move.points, axes)
         else:
             low = high = move.to  # type: ignore[union-attr]
             if low == before:
@@ -199,10 +201,12 @@ class Survey:
             self.drawing.take(move, self.moves)  # type: ignore[arg-type]
         self._at = move.to  # type: ignore[union-attr]
         self.length_mm += length_mm
-        if isinstance(move, _FED):
+        feed_mm_min = move.feed_mm_min if isinstance(move, _FED) else None
+        if feed_mm_min is not None:
             self.cut.take(before, low, high, self._at)
-            if move.feed_mm_min < self._slow_mm_min:
-                self._check_feed(move, tuple(map(sub, move.to, before)), length_mm)
+            if feed_mm_min < self._slow_mm_min:
+                by = tuple(map(sub, self._at, before))
+                self._check_feed(move.line, feed_mm_min, by, length_mm)
         for i, before_mm in enumerate(before):
             if low[i] < self.low[i]:
                 self.low[i] = low[i]
@@ -231,23 +235,23 @@ class Survey:
         else:
             self._at = facts.position_mm
 
-    def _check_feed(self, move: canon.Feed | canon.Arc, way: Sequence[float], mm: float) -> None:
+    def _check_feed(self, line: int, feed_mm_min: float, way: Sequence[float], mm: float) -> None:
         """A feed below the slowest step is driven faster than it says: the first one is told."""
         if self._told_of_feed or mm <= 0:
             return
         axes = self.context.machine.axes
         most = max(abs(by) * float(axis.steps_per_mm) for by, axis in zip(way, axes, strict=True))
         least_mm_min = 60 * SLOWEST_HZ * mm / most if most else 0.0
-        if move.feed_mm_min < least_mm_min:
+        if feed_mm_min < least_mm_min:
             self._told_of_feed = True
             told = phrase(
                 "F{feed_mm_min:g} is slower than the slowest step, one in"
                 " {slowest_hz:.2f} s: it is driven at {least_mm_min:.3g} mm/min",
-                feed_mm_min=move.feed_mm_min,
+                feed_mm_min=feed_mm_min,
                 slowest_hz=1 / SLOWEST_HZ,
                 least_mm_min=least_mm_min,
             )
-            self.notes.append(Complaint(*self.source.complaint(move.line, told)))
+            self.notes.append(Complaint(*self.source.complaint(line, told)))
 
     def _check(self, index: int, from_mm: float, to_mm: float, line: int) -> None:
         """A new extreme: is it still inside?"""

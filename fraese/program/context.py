@@ -1,13 +1,18 @@
 """What a program finds when it starts: plain facts that can be sent to another process."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from fraese.config import Config
 from fraese.control.controller import Controller
+from fraese.errors import ProgramError
 from fraese.gcode.setup import Setup, ToolData
+from fraese.heightmap.bend import Site
+from fraese.heightmap.heights import HeightMap
 from fraese.machine import Machine, Millimetres, Steps
+from fraese.phrases import phrase
 from fraese.planner.planner import Options
 from fraese.program.taken import Taken
 from fraese.workframe import TOOL_NUMBER
@@ -49,6 +54,7 @@ class ProgramContext:
         parameters: persistent parameters of the language.
         block_delete: lines that begin with a slash are left out.
         left: what is kept of a program that was cut short.
+        heights: of the work, to which moves are bent; None: they are not.
     """
 
     config: Config
@@ -59,9 +65,10 @@ class ProgramContext:
     parameters: Mapping[int, float]
     block_delete: bool = False
     left: Mapping[str, Any] | None = field(default=None, compare=False)
+    heights: HeightMap | None = None
 
     @classmethod
-    def of(cls, controller: Controller) -> "ProgramContext":
+    def of(cls, controller: Controller, heights: HeightMap | None = None) -> "ProgramContext":
         """The machine as a program finds it now."""
         position = controller.position
         return cls(
@@ -73,6 +80,7 @@ class ProgramContext:
             parameters=position.offsets.parameters,
             block_delete=controller.handling.block_delete,
             left=controller.cut_short(),
+            heights=heights,
         )
 
     @property
@@ -104,6 +112,25 @@ class ProgramContext:
             folders=(taken.path.parent, *self.config.run.folders),
             ignored_m_codes=frozenset(self.config.run.ignored_m_codes),
             file_lines=taken.lines,
+        )
+
+    def site(self) -> Site:
+        """Where a height map is used.
+
+        Raises:
+            ProgramError: on a machine without the axes for it.
+        """
+        axes, vertical = self.machine.axes, self.machine.vertical
+        names = "".join(self.machine.names)
+        if vertical is None or not {"x", "y"} <= set(names):
+            raise ProgramError(phrase("a height map is of X, Y and Z, and the machine lacks one"))
+        known = self.referenced[vertical] and not axes[vertical].is_endless
+        return Site(
+            axes=names,
+            parameters=self.parameters,
+            start_mm=self.start_mm,
+            chord_mm=self.options().chord_tolerance_mm,
+            top_mm=axes[vertical].high_mm if known else math.inf,
         )
 
     @property

@@ -22,6 +22,7 @@ from fraese.errors import ProgramError, StateError
 from fraese.gcode import canon
 from fraese.phrases import phrase
 from fraese.program.context import ProgramContext
+from fraese.program.mapped import TakenMap
 
 #: A record of the state has no room for what more probes found.
 _MOST_ANSWERS: Final = 64
@@ -42,6 +43,27 @@ class Answer(BaseModel):
         return canon.Facts(self.position_mm, self.touched, self.contact_mm, self.parameters)
 
 
+class KeptMap(BaseModel):
+    """Which height map a program was run with.
+
+    Attributes:
+        path: of its file.
+        content_hash: of what that held.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+
+    path: str
+    content_hash: str
+
+    @classmethod
+    def of(cls, taken: TakenMap | None) -> "KeptMap | None":
+        """What is kept of one; None: there is none."""
+        if taken is None:
+            return None
+        return cls(path=str(taken.path), content_hash=taken.content.content_hash)
+
+
 class Interrupted(BaseModel):
     """A job as it was left.
 
@@ -57,6 +79,7 @@ class Interrupted(BaseModel):
         answers: what barriers were answered, by the number of their move; None: too many to keep.
         move: number of the move in hand; 0: none had begun.
         line: its line.
+        height_map: to which its moves were bent; None: to none.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
@@ -72,6 +95,7 @@ class Interrupted(BaseModel):
     answers: dict[int, Answer] | None
     move: int
     line: int
+    height_map: KeptMap | None = None
 
     @classmethod
     def of(cls, kept: Mapping[str, Any] | None) -> "Interrupted":
@@ -225,9 +249,17 @@ class JobNote:
         content_hash: of what it holds.
         start: the machine as it finds it.
         heard: what it has been told so far.
+        height_map: to which its moves are bent; None: to none.
     """
 
-    def __init__(self, name: str, content_hash: str, start: ProgramContext, heard: Heard) -> None:
+    def __init__(
+        self,
+        name: str,
+        content_hash: str,
+        start: ProgramContext,
+        heard: Heard,
+        height_map: KeptMap | None = None,
+    ) -> None:
         self._heard = heard
         self._before = start.parameters
         self._fixed: dict[str, Any] = {
@@ -237,6 +269,7 @@ class JobNote:
             "slack_steps": start.slack_steps,
             "referenced": start.referenced,
             "parameters": dict(start.parameters),
+            **({"height_map": height_map.model_dump()} if height_map else {}),
         }
 
     def at(self, tag: int, parameters: Mapping[int, float]) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Copies of the programs that ran last, so that one can be gone on with when its file is gone.
 
-    jobs/<SHA-256>         what a file held, a program's or a subroutine's
-    jobs/<SHA-256>.json    of a program: its name, and which subroutine files belong to it
+    jobs/<SHA-256>         what a file held, a program's, a subroutine's or a height map's
+    jobs/<SHA-256>.json    of a program: its name, and which other files belong to it
 
 Rule 1: a copy is found by what it holds, and believed only if it still holds it.
 Rule 2: only the last few programs are kept, and no more than so many bytes.
@@ -18,6 +18,7 @@ from typing import Final
 from fraese.errors import ProgramError
 from fraese.phrases import phrase, reason
 from fraese.program.content import Content, take
+from fraese.program.mapped import TakenMap, map_of
 from fraese.program.taken import Taken
 
 FOLDER: Final = "jobs"
@@ -42,13 +43,18 @@ class KeptPrograms:
         self.state_folder = folder
         self._folder = folder / FOLDER
 
-    def keep(self, taken: Taken) -> None:
+    def keep(self, taken: Taken, also: Content | None = None) -> None:
         """Keep a program; durable when this returns.
+
+        Args:
+            taken: its files.
+            also: another file that it is run with, a height map.
 
         Raises:
             ProgramError: it is too large, or cannot be written.
         """
-        contents = [taken.main, *(file for file in taken.files.values() if file is not None)]
+        others = (*taken.files.values(), also)
+        contents = [taken.main, *(file for file in others if file is not None)]
         if sum(content.size for content in contents) > _MOST_BYTES:
             raise ProgramError(
                 phrase(
@@ -63,7 +69,7 @@ class KeptPrograms:
                 folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             for content in contents:
                 self._write(content.content_hash, content)
-            index = _index_of(taken).encode()
+            index = _index_of(taken, also).encode()
             self._write(taken.main.content_hash + _INDEX, index)
             self._make_room(taken.main.content_hash)
             _sync(self._folder)
@@ -94,6 +100,23 @@ class KeptPrograms:
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise ProgramError(
                 phrase("the kept copy of this program is gone or damaged.")
+            ) from error
+
+    def find_map(self, path: Path, content_hash: str) -> TakenMap:
+        """A height map with which a program was run.
+
+        Raises:
+            ProgramError: it is not there any more, or damaged.
+        """
+        try:
+            return map_of(path, self._content(content_hash, path.name))
+        except ValueError as error:
+            raise ProgramError(
+                phrase(
+                    "the kept copy of this height map is gone or damaged: what was run with it is"
+                    " not gone on with without it."
+                ),
+                file=path.name,
             ) from error
 
     def _content(self, content_hash: str, file: str) -> Content:
@@ -144,16 +167,20 @@ class KeptPrograms:
         return 0
 
 
-def _index_of(taken: Taken) -> str:
+def _index_of(taken: Taken, also: Content | None) -> str:
     files = {str(path): file and file.content_hash for path, file in taken.files.items()}
-    return json.dumps({"path": str(taken.path), "files": files}, indent=1) + "\n"
+    others = [also.content_hash] if also is not None else []
+    index = {"path": str(taken.path), "files": files, "also": others}
+    return json.dumps(index, indent=1) + "\n"
 
 
 def _needed_by(index: Path) -> list[str]:
     """Names of the files of one program, its index among them."""
     names = [index.name, index.stem]
-    with suppress(ValueError, KeyError, AttributeError):
-        names += [str(kept) for kept in json.loads(_bytes_of(index))["files"].values() if kept]
+    with suppress(ValueError, KeyError, AttributeError, TypeError):
+        found = json.loads(_bytes_of(index))
+        names += [str(kept) for kept in found["files"].values() if kept]
+        names += [str(kept) for kept in found.get("also", ())]
     return names
 
 

@@ -53,6 +53,9 @@ class Outline:
         return len(self.moves)
 
 
+Motion = canon.Rapid | canon.Feed | canon.Arc | canon.Along | canon.Probe
+
+
 class OutlineMaker:
     """Collects the outline of moves as they pass.
 
@@ -75,11 +78,14 @@ class OutlineMaker:
         self._lines: list[int] = []
         self._rapid: list[bool] = []
 
-    def take(self, move: canon.Rapid | canon.Feed | canon.Arc | canon.Probe, number: int) -> None:
+    def take(self, move: Motion, number: int) -> None:
         """The next motion, and the number of its move."""
         if type(move) is canon.Arc:
             for corner in self._chords(move):
                 self._add(corner, number, move.line, False)
+        elif type(move) is canon.Along:
+            for corner in move.points:
+                self._add(corner, number, move.line, move.feed_mm_min is None)
         else:
             self._add(move.to, number, move.line, type(move) is canon.Rapid)
         self._at = move.to

@@ -8,18 +8,20 @@ from typing import Final
 
 from fraese.control.about import About
 from fraese.control.controller import Controller
-from fraese.control.jobs import STANDSTILL, Job
+from fraese.control.jobs import Job
 from fraese.control.retract import Retract
 from fraese.errors import LimitError, ProgramError, StateError, placed
 from fraese.gcode.colours import Part, parts_of
 from fraese.log import logged
-from fraese.machine import Millimetres
 from fraese.phrases import joined, phrase
 from fraese.program.check import Facts, Survey, check_program
 from fraese.program.context import ProgramContext
-from fraese.program.interrupted import Interrupted, JobNote
+from fraese.program.cutjob import noting_cuts
+from fraese.program.frame import frame_of
+from fraese.program.interrupted import Interrupted, JobNote, KeptMap
 from fraese.program.kept import KeptPrograms
 from fraese.program.looker import Looker
+from fraese.program.mapped import TakenMap, heights_of
 from fraese.program.offsethistory import OffsetHistory
 from fraese.program.runfromline import Beginning, Place
 from fraese.program.source import ProgramSource
@@ -28,12 +30,6 @@ from fraese.program.telling import Stage
 from fraese.program.translate import Translation
 from fraese.program.way import way_of
 
-#: Corners of a frame, low or high, for so many axes.
-_ROUND: Final[dict[int, tuple[tuple[int, ...], ...]]] = {
-    0: (),
-    1: ((0,), (1,), (0,)),
-    2: ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0)),
-}
 #: Behind what became of a file.
 _AS_OPENED: Final = phrase(" What runs is what it held when it was opened.")
 
@@ -53,6 +49,7 @@ class Program:
         facts: what the last look-through found, also of a program that was refused.
         stage: how far one is that goes on; None: none does.
         told: is told so, too, in the thread that looks.
+        heights: map to which its moves are bent; None: they are not.
     """
 
     def __init__(
@@ -74,6 +71,7 @@ class Program:
         self.facts: Facts | None = None
         self.stage: Stage | None = None
         self.told: Callable[[Stage], object] = lambda stage: None
+        self.heights: TakenMap | None = None
 
     @property
     def content_hash(self) -> str:
@@ -102,12 +100,13 @@ class Program:
         return [(part.value, text) for part, text in parts_of(line)]
 
     def news(self) -> str:
-        """What became of the file since it was opened, a sentence; empty: nothing."""
-        return self.taken.news()
+        """What became of its files since they were opened, sentences; empty: nothing."""
+        heights = "" if self.heights is None else self.heights.news()
+        return joined(" ", filter(None, (self.taken.news(), heights)))
 
     def question(self, controller: Controller) -> ProgramContext | None:
         """What ``look`` has to be asked; None: it was looked through as the machine stands now."""
-        context = ProgramContext.of(controller)
+        context = self.stands(controller)
         if self._looker is not None:
             self._looker.begin()
         is_known = self._looked is not None and self._looked[0] == context
@@ -155,7 +154,7 @@ class Program:
             ProgramError: if a line is refused.
             LimitError: if it leaves the travel.
         """
-        return self.look(self.question(controller) or ProgramContext.of(controller), plan=plan)
+        return self.look(self.question(controller) or self.stands(controller), plan=plan)
 
     def give_up(self) -> None:
         """End a look-through in a process of its own, at once; from any thread."""
@@ -194,7 +193,7 @@ class Program:
         """
         if facts is None and self._looked is not None:
             facts = self._looked[1]
-        context = ProgramContext.of(controller)
+        context = self.stands(controller)
         require_reference(context)
         controller.check_moves([])
         begun = self.begun(context, from_line, past=past, back=back)
@@ -211,7 +210,7 @@ class Program:
             translation.planner.tell = controller.aims.begin()
             try:
                 guarded = Survey(context, source).guard(history.watch(moves), str(self.path))
-                yield from _cutting(controller, translation.blocks(guarded))
+                yield from noting_cuts(controller, translation.blocks(guarded))
                 history.close()
             finally:
                 controller.position.offsets.replace(history.in_force()[0])
@@ -226,7 +225,9 @@ class Program:
                 expected_s=facts.duration_s if facts else 0.0,
                 plan=facts.timetable if facts else None,
                 detour=Retract(controller.position, retract_mm) if retract_mm else None,
-                note=JobNote(self.name, self.content_hash, begun.found, translation).at,
+                note=JobNote(
+                    self.name, self.content_hash, begun.found, translation, KeptMap.of(self.heights)
+                ).at,
             ),
         )
         if said := [text for text in (news and news + _AS_OPENED, unkept) if text]:
@@ -236,7 +237,7 @@ class Program:
         """Keep a copy for later; why not, a sentence."""
         try:
             if self._kept is not None:
-                self._kept.keep(self.taken)
+                self._kept.keep(self.taken, None if self.heights is None else self.heights.content)
         except ProgramError as error:
             return str(error)
         return ""
@@ -257,14 +258,14 @@ class Program:
             LimitError: if it leaves the travel.
             StateError: if the machine is not ready.
         """
-        require_reference(ProgramContext.of(controller))
+        context = self.stands(controller)
+        require_reference(context)
         known = self.question(controller) is None and self._looked is not None
         facts = self._looked[1] if known and self._looked else self.check(controller, plan=False)
         if facts.low_mm is None or facts.high_mm is None:
             raise ProgramError(phrase("nothing moves in this program."), file=str(self.path))
-        context = ProgramContext.of(controller)
         low_mm, high_mm = facts.cut_low_mm or facts.low_mm, facts.cut_high_mm or facts.high_mm
-        points = _frame_of(context, low_mm, high_mm)
+        points = frame_of(context, low_mm, high_mm)
         if not points:
             raise ProgramError(
                 phrase("there is no frame: no axis X or Y moves."), file=str(self.path)
@@ -303,15 +304,16 @@ class Program:
             past.require_same_machine(now)
         except (StateError, ProgramError):
             return None
-        return past if past.content_hash == self.content_hash else None
+        is_same = past.content_hash == self.content_hash
+        return past if is_same and past.height_map == KeptMap.of(self.heights) else None
 
     def way_from(self, controller: Controller, from_line: int) -> list[str]:
         """What a start in the middle would do; as ``way_lines``."""
-        return self.way_lines(ProgramContext.of(controller), from_line)
+        return self.way_lines(self.stands(controller), from_line)
 
     def stands(self, controller: Controller) -> ProgramContext:
         """The machine as it stands, for ``way_lines``; in the machine's thread."""
-        return ProgramContext.of(controller)
+        return ProgramContext.of(controller, heights_of(self.heights))
 
     def way_lines(
         self,
@@ -326,41 +328,6 @@ class Program:
             Cancelled: if it was given up.
         """
         return way_of(self.begun(context, from_line), given_up).lines(self.name)
-
-
-def _cutting(controller: Controller, job: Job) -> Job:
-    """The job to its standstill; if it is cut short, what was read ahead does not count.
-
-    Outputs are off then; a spindle that is switched by hand turns on.
-    """
-    cutting = controller.cutting
-    cutting.begin()
-    try:
-        yield from job
-        yield STANDSTILL
-    except BaseException:
-        played = controller.move_played()
-        cutting.end(played, is_off=not cutting.at(played).by_hand)
-        raise
-    cutting.end()
-
-
-def _frame_of(
-    context: ProgramContext, low_mm: Millimetres, high_mm: Millimetres
-) -> list[Millimetres]:
-    """Round the bounding box in X and Y at the safe height; all other axes stay where they are."""
-    names, here = context.machine.names, context.start_mm
-    height = context.safe_height()
-    if height is not None and context.referenced[height.axis]:
-        here = height.at_least(high_mm[height.axis]).at(here)
-    flat = [names.index(letter) for letter in "xy" if letter in names]
-    points = [here] if flat else []
-    for corner in _ROUND[len(flat)]:
-        point = list(here)
-        for axis, is_high in zip(flat, corner, strict=True):
-            point[axis] = (high_mm if is_high else low_mm)[axis]
-        points.append(tuple(point))
-    return points
 
 
 def require_reference(context: ProgramContext) -> None:

@@ -10,6 +10,7 @@ Rule 2: nothing starts on a machine that stands otherwise than when the way was 
 """
 
 from collections.abc import Callable
+from pathlib import Path
 
 from fraese.control.controller import Controller
 from fraese.errors import StateError
@@ -60,8 +61,11 @@ class Resumption:
             ProgramError: what was kept of it is damaged, or its copy is gone.
         """
         left = Interrupted.of(controller.keep().job)
-        taken = kept.find(left.content_hash)
-        context = ProgramContext.of(controller)
+        program = Program(kept.find(left.content_hash), apart=apart, kept=kept, drawn=apart)
+        if left.height_map is not None:
+            kept_map = left.height_map
+            program.heights = kept.find_map(Path(kept_map.path), kept_map.content_hash)
+        context = program.stands(controller)
         left.require_same_machine(context)
         if controller.position.doubt is not None:
             raise StateError(
@@ -71,7 +75,7 @@ class Resumption:
                 )
             )
         controller.check_moves([])
-        return cls(left, Program(taken, apart=apart, kept=kept, drawn=apart), context)
+        return cls(left, program, context)
 
     def news(self) -> tuple[str, ...]:
         """What a person should know who goes on with it, sentences."""
@@ -102,7 +106,7 @@ class Resumption:
         Raises:
             StateError: if the machine is not ready, or stands otherwise by now.
         """
-        if ProgramContext.of(controller) != self._context:
+        if self.program.stands(controller) != self._context:
             raise StateError(
                 phrase(
                     "The machine has changed since it was shown how to go on with {name}:"

@@ -29,7 +29,7 @@ from fraese.workframe import TOOL_NUMBER, Point
 _MOVES_A_BREATH: Final = 500
 _Way = Generator[canon.Move, canon.Facts | None, None]
 _REPEATED = (canon.Spindle, canon.Coolant, canon.PathControl, canon.Tool, canon.Overrides)
-_MOTIONS = (canon.Rapid, canon.Feed, canon.Arc, canon.Probe)
+_MOTIONS = (canon.Rapid, canon.Feed, canon.Arc, canon.Along, canon.Probe)
 
 
 @dataclass(frozen=True, slots=True)

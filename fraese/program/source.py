@@ -9,6 +9,7 @@ from fraese.gcode.coordlist import read_points
 from fraese.gcode.interpreter import Interpreter, Refused
 from fraese.gcode.modal import Modal
 from fraese.gcode.replay import Replay
+from fraese.heightmap.bend import Bend
 from fraese.program.context import ProgramContext
 from fraese.program.taken import Taken
 from fraese.program.translate import Moves
@@ -49,15 +50,21 @@ class ProgramSource:
         Raises:
             ProgramError: a file cannot be read, or a line is refused.
         """
+        heights = self._context.heights
         with closing(self._taken.main.lines()) as file_lines:
-            lines = self._counted(file_lines)
-            if self._taken.kind == "gcode":
-                yield from self._interpreter.run(lines, refused)
-            else:
-                unit = self._context.config.run.list_unit
-                points = read_points(lines, self._setup, unit, self.default_feed_mm_min)
-                for point in points:
-                    yield point
+            moves = self._flat(self._counted(file_lines), refused)
+            if heights is not None:
+                moves = Bend(heights, self._context.site()).through(moves)
+            yield from moves
+
+    def _flat(self, lines: Iterator[str], refused: Refused | None) -> Moves:
+        """As they are programmed."""
+        if self._taken.kind == "gcode":
+            yield from self._interpreter.run(lines, refused)
+            return
+        unit = self._context.config.run.list_unit
+        for point in read_points(lines, self._setup, unit, self.default_feed_mm_min):
+            yield point
 
     def only_read(self, line: int) -> Replay:
         """What comes before this line is read, and not carried out; before the first move."""

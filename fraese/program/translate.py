@@ -4,22 +4,17 @@ Rule 1: one row a kind of move, in ``_ROWS``; each gives blocks, waits, or both,
 Rule 2: a barrier is planned to rest, waited for, and answered with what the machine found.
         Without a controller (a check) nothing waits: everything goes as commanded.
 Rule 3: outputs that hang on nothing are switched by hand: the operator is told, never refused.
-Rule 4: a probe that shares the end switches' input still touches when its move has ended. Until it
-        is free, moves away from the contact or along it are let through, none further in.
 """
 
-from collections.abc import Callable, Generator, Iterable, Mapping
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
-from fraese import alarms
-from fraese.blocks import Block, WatchAction
+from fraese.blocks import Block
 from fraese.control.controller import Controller
-from fraese.control.jobs import STANDSTILL, TURN, Ask, Demand, Job, move_of
-from fraese.control.softlimits import within_travel
-from fraese.errors import ProbeError
+from fraese.control.jobs import STANDSTILL, TURN, Ask, Job, move_of
 from fraese.gcode import canon
-from fraese.motor.seams import Ended, Report
+from fraese.motor.seams import Report
 from fraese.phrases import phrase
 from fraese.planner.planner import Planner
 from fraese.program.context import ProgramContext
@@ -31,11 +26,10 @@ from fraese.program.sentences import (
     stop_question,
     tool_question,
 )
+from fraese.program.touch import Part, Touch, each
 from fraese.program.visit import Visit
-from fraese.workframe import Point
 
 Moves = Generator[canon.Move, canon.Facts | None, None]
-Part = Generator[Demand, Report, canon.Facts | None]
 
 #: Blocks of what is only looked through are at most so long: no override has to act on them.
 _LOOKED_BLOCK_S: Final = 1.0
@@ -76,7 +70,6 @@ class Translation:
         # The beam as the program has it, and as the planner was told.
         self._beam = self._shines = False
         self._laser = context.config.outputs.mask("laser")
-        self._probed_way: tuple[float, ...] = ()
         self.numbers = Numbers()
         self.answers: dict[int, canon.Facts] = {}
         self.visited: Callable[[], Mapping[int, float]] = dict
@@ -87,6 +80,7 @@ class Translation:
             longest_s = max(options.max_block_s, _LOOKED_BLOCK_S)
             options = replace(options, max_block_s=longest_s, batch_s=_LOOKED_BATCH_S)
         self.planner = Planner(context.machine, context.start_steps, options, context.slack_steps)
+        self._touch = Touch(context, controller, self.planner)
 
     def blocks(self, moves: Moves) -> Job:
         """A job of all moves; ends at rest, everything pushed but not yet played.
@@ -110,13 +104,13 @@ class Translation:
             if move.line != self._line and kind in canon.MOTIONS:
                 yield from self._wait_for_line(move)
             if laser and kind in canon.MOTIONS:
-                yield from self._shine(self._beam and kind in _CUTTING)
+                yield from self._shine(self._beam and _cuts(move))
             if kind is not feed and kind is not rapid:
                 facts = yield from rows[kind](self, move)
                 if facts is not None:
                     self.answers[move_of(high)] = facts
-            elif self._probed_way:
-                yield from self._leave_contact(move)
+            elif self._touch.is_closed:
+                yield from self._touch.leave(move, high | move.line)
             else:
                 feed_mm_min = move.feed_mm_min if kind is feed else None
                 if kind is feed and feed_mm_min != self._feed_mm_min:
@@ -125,13 +119,13 @@ class Translation:
                     yield block
                     self._follow_override()
             self._follow_override()
-        yield from _each(self.planner.finish())
+        yield from each(self.planner.finish())
 
     def _wait_for_line(self, move: canon.Move) -> Part:
         """A line that moves begins: one by one, if that is wanted."""
         before, self._line = self._line, move.line
         if before and self._handling is not None and self._handling.single_block:
-            yield from _each(self.planner.drain())
+            yield from each(self.planner.drain())
             yield Ask(
                 phrase("Single block: line {line} comes next.", line=move.line),
                 admits=False,
@@ -178,24 +172,39 @@ class Translation:
             self._follow_override()
         return None
 
+    def _along(self, move: canon.Along) -> Part:
+        if self._touch.is_closed:
+            return (yield from self._touch.leave(move, self._tag(move)))
+        feed_mm_min = move.feed_mm_min
+        if feed_mm_min is not None and feed_mm_min != self._feed_mm_min:
+            self._note_feed(feed_mm_min)
+        course = self.planner.along(
+            move.points, move.to, feed_mm_min, self._tag(move),
+            plane=move.plane, radius_mm=move.radius_mm,
+        )  # fmt: skip
+        for block in course:
+            yield block
+            self._follow_override()
+        return None
+
     def _dwell(self, move: canon.Dwell) -> Part:
-        yield from _each(self.planner.dwell(move.duration_s, self._tag(move)))
+        yield from each(self.planner.dwell(move.duration_s, self._tag(move)))
         return None
 
     def _path_control(self, move: canon.PathControl) -> Part:
-        yield from _each(self.planner.path_control(move.mode.value, move.tolerance_mm))
+        yield from each(self.planner.path_control(move.mode.value, move.tolerance_mm))
         return None
 
     def _overrides(self, move: canon.Overrides) -> Part:
-        yield from _each(self.planner.allow_override(move.enabled))
+        yield from each(self.planner.allow_override(move.enabled))
         return None
 
     def _offsets(self, _move: canon.Offsets) -> Part:
-        yield from _each(self.planner.end_line())
+        yield from each(self.planner.end_line())
         return None
 
     def _end(self, move: canon.End) -> Part:
-        yield from _each(self.planner.drain())
+        yield from each(self.planner.drain())
         return None
 
     # --- what hangs on outputs -----------------------------------------------------------------
@@ -213,7 +222,7 @@ class Translation:
                 yield from self._switch("spindle", on)
                 if on:
                     spin_up_s = self._context.config.run.spin_up_s
-                    yield from _each(self.planner.dwell(spin_up_s, self._tag(move)))
+                    yield from each(self.planner.dwell(spin_up_s, self._tag(move)))
             return None
         text, facts = spindle_in_words(move), None
         if self._is_to_be_confirmed(on):
@@ -229,7 +238,7 @@ class Translation:
         """The beam, without a stop: it changes with the first tick of the next move."""
         if on is not self._shines:
             self._shines = on
-            yield from _each(self.planner.outputs(self._laser, self._laser if on else 0))
+            yield from each(self.planner.outputs(self._laser, self._laser if on else 0))
         return None
 
     def _is_to_be_confirmed(self, on: bool) -> bool:
@@ -248,9 +257,9 @@ class Translation:
         mask = self._context.config.outputs.mask(name)
         if not mask:
             return False
-        yield from _each(self.planner.drain())
+        yield from each(self.planner.drain())
         self.planner.outputs(mask, mask if on else 0)
-        yield from _each(self.planner.dwell(0))
+        yield from each(self.planner.dwell(0))
         return True
 
     # --- barriers ------------------------------------------------------------------------------
@@ -266,7 +275,7 @@ class Translation:
         return (yield from self._ask(tool_question(move), move, word))
 
     def _ask(self, question: str, move: canon.Move, waits_for: str) -> Part:
-        yield from _each(self.planner.drain())
+        yield from each(self.planner.drain())
         controller = self._controller
         if controller is None:
             return None
@@ -282,75 +291,13 @@ class Translation:
         at = controller.position
         self.planner.reset(at.position_steps, at.slack_steps)
         for point, feed_mm_min in visit.way().legs:
-            yield from _each(self.planner.line(point, feed_mm_min, tag))
-        yield from _each(self.planner.drain())
+            yield from each(self.planner.line(point, feed_mm_min, tag))
+        yield from each(self.planner.drain())
         yield STANDSTILL
         return visit.facts()
 
     def _probe(self, move: canon.Probe) -> Part:
-        controller = self._controller
-        if controller is None:
-            yield from _each(self.planner.line(move.to, move.feed_mm_min, self._tag(move)))
-            yield from _each(self.planner.drain())
-            return None
-        yield from _each(self.planner.drain())
-        yield STANDSTILL
-        where, switches = controller.position, controller.switches
-        from_mm = self._point(where.position_steps)
-        if switches.probe_closed == move.until_closed:
-            raise ProbeError(
-                phrase(
-                    "line {line}: the probe {word} already; the machine stands at {in_words}.",
-                    line=move.line,
-                    word=phrase("touches") if move.until_closed else phrase("is free"),
-                    in_words=where.in_words(),
-                ),
-                alarms.PROBE_TOUCHES,
-                line=move.line,
-            )
-        watch = switches.probe_watch(closed=move.until_closed, action=WatchAction.STOP)
-        tag = self._tag(move)
-        to = within_travel(self._context.machine, where.referenced, from_mm, move.to)
-        yield from _each(self.planner.watched(to, move.feed_mm_min, watch, tag))
-        report = yield STANDSTILL
-        touched = report.ended is Ended.WATCH
-        contact_mm = self._point(where.latched_steps(report)) if touched else None
-        self.planner.reset(where.position_steps, where.slack_steps)
-        if move.must_touch and not touched:
-            raise ProbeError(
-                phrase(
-                    "line {line}: the probe never {word}; the machine stands at {in_words}.",
-                    line=move.line,
-                    word=phrase("touched") if move.until_closed else phrase("came free"),
-                    in_words=where.in_words(),
-                ),
-                line=move.line,
-            )
-        at_mm = self._point(where.position_steps)
-        if report.switch_closed:
-            self._probed_way = _way(from_mm, move.to)
-        return canon.Facts(position_mm=at_mm, touched=touched, contact_mm=contact_mm)
-
-    def _leave_contact(self, move: canon.Rapid | canon.Feed) -> Part:
-        """A move with the switch still closed by the probe."""
-        controller = self._controller
-        assert controller is not None
-        feed_mm_min = move.feed_mm_min if isinstance(move, canon.Feed) else None
-        way = _way(self._point(controller.position.position_steps), move.to)
-        further_in = sum(a * b for a, b in zip(way, self._probed_way, strict=True)) > 0
-        watch = controller.switches.watch(closed=False, action=WatchAction.IGNORE)
-        if further_in:
-            yield from _each(self.planner.line(move.to, feed_mm_min, self._tag(move)))
-            yield from _each(self.planner.drain())
-        else:
-            yield from _each(self.planner.watched(move.to, feed_mm_min, watch, self._tag(move)))
-        report = yield STANDSTILL
-        if not report.switch_closed:
-            self._probed_way = ()
-        return None
-
-    def _point(self, steps: tuple[int, ...]) -> Point:
-        return self._context.machine.to_mm(steps)
+        return (yield from self._touch.probe(move, self._tag(move)))
 
     def _message(self, move: canon.Message) -> Part:
         self._say(
@@ -372,18 +319,16 @@ class Translation:
             self._controller.say(text)
 
 
-def _way(from_mm: Point, to_mm: Point) -> tuple[float, ...]:
-    return tuple(b - a for a, b in zip(from_mm, to_mm, strict=True))
-
-
-def _each(blocks: Iterable[Block]) -> Generator[Block, Report, None]:
-    """Blocks one by one; a plain iterator cannot take the reports that a job is sent."""
-    for block in blocks:
-        yield block
+def _cuts(move: canon.Move) -> bool:
+    """Along it a beam burns."""
+    return type(move) in _CUTTING or (
+        isinstance(move, canon.Along) and move.feed_mm_min is not None
+    )
 
 
 _ROWS: Final[dict[type, Callable[[Translation, Any], Part]]] = {
     canon.Arc: Translation._arc,
+    canon.Along: Translation._along,
     canon.Dwell: Translation._dwell,
     canon.PathControl: Translation._path_control,
     canon.Overrides: Translation._overrides,

@@ -97,6 +97,8 @@ def way_of(begun: Beginning, given_up: Callable[[], bool] = lambda: False) -> Wa
             continue
         if isinstance(move, canon.Offsets):
             continue
+        if isinstance(move, canon.Along):
+            move = _straight(move)
         goes_down = goes_down or isinstance(move, canon.Feed)
         legs.append(_leg(move, here, source, now.machine))
         if isinstance(move, canon.Rapid | canon.Feed):
@@ -107,6 +109,13 @@ def way_of(begun: Beginning, given_up: Callable[[], bool] = lambda: False) -> Wa
             break
     height, in_force = _height(begun), _in_force(source)
     return Way(line, source.text, tuple(legs), height, in_force, source.called_in)
+
+
+def _straight(move: canon.Along) -> canon.Rapid | canon.Feed:
+    """Of a bent move it is told where it leads."""
+    if move.feed_mm_min is None:
+        return canon.Rapid(move.line, move.to)
+    return canon.Feed(move.line, move.to, move.feed_mm_min)
 
 
 def _leg(move: canon.Move, here: Millimetres, source: ProgramSource, machine: Machine) -> Leg:

@@ -1,0 +1,1 @@
+"""Height maps: how warped the work lies, kept in a file, and moves bent to it."""
