@@ -32,7 +32,8 @@ def bent(text: str, heights: HeightMap, site: Site = SITE, *answers: Facts) -> l
     """The moves of a program on this map; barriers are answered in their order."""
     setup = Setup(position_mm=site.start_mm, parameters=dict(site.parameters))
     moves = Bend(heights, site).through(Interpreter(setup).run(text.splitlines()))
-    found, facts, waiting = [], None, list(answers)
+    found: list[Move] = []
+    facts, waiting = None, list(answers)
     while True:
         try:
             move = moves.send(facts)
@@ -68,7 +69,7 @@ def test_a_line_is_one_move_of_its_line_along_the_surface() -> None:
     cut = motions(bent("G90 G0 Z0\nG1 X40 Y30 F120", WARPED))[-1]
     assert isinstance(cut, Along)
     assert (cut.line, cut.feed_mm_min, cut.to) == (2, 120, (40, 30, 0))
-    before = (0.0, 0.0, 0.0)
+    before: Point = (0.0, 0.0, 0.0)
     for point in cut.points:
         for n in range(11):
             x, y, z = (a + (b - a) * n / 10 for a, b in zip(before, point, strict=True))
