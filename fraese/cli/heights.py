@@ -25,48 +25,58 @@ app = typer.Typer()
 
 _USUAL = Feeling()
 
+OutputOption = Annotated[
+    Path, typer.Option("--output", "-o", metavar="MAP", help="File of the height map.")
+]
+FromOption = Annotated[
+    str | None, typer.Option("--from", metavar='"X0 Y0"', help="A corner, work coordinates.")
+]
+ToOption = Annotated[
+    str | None, typer.Option("--to", metavar='"X100 Y80"', help="The opposite corner.")
+]
+EveryOption = Annotated[
+    float, typer.Option("--every", metavar="MM", help="From point to point, at most.")
+]
+ReferenceOption = Annotated[
+    str | None,
+    typer.Option(
+        "--reference",
+        metavar='"X0 Y0"',
+        help="Where Z0 is touched off, and the height is 0; else the point nearest to X0 Y0.",
+    ),
+]
+ClearanceOption = Annotated[
+    float, typer.Option("--clearance", metavar="MM", help="Over the work at this height.")
+]
+DepthOption = Annotated[
+    float, typer.Option("--depth", metavar="MM", help="So far below the reference at most.")
+]
+ReachOption = Annotated[
+    float, typer.Option("--reach", metavar="MM", help="So far down to the reference at most.")
+]
+FeedOption = Annotated[
+    float, typer.Option("--feed", metavar="MM_MIN", help="Towards the work, mm/min.")
+]
+GoOnOption = Annotated[bool, typer.Option("--go-on", help="Probe what is missing in the file.")]
+ForceOption = Annotated[bool, typer.Option("--force", help="Replace the file.")]
+
 
 @app.command("probe-map")
 @with_options
 def probe_map(
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="MAP", help="File of the height map.")
-    ],
+    output: OutputOption,
     *,
     on: Answering,
-    low: Annotated[
-        str | None, typer.Option("--from", metavar='"X0 Y0"', help="A corner, work coordinates.")
-    ] = None,
-    high: Annotated[
-        str | None, typer.Option("--to", metavar='"X100 Y80"', help="The opposite corner.")
-    ] = None,
-    every: Annotated[
-        float, typer.Option("--every", metavar="MM", help="From point to point, at most.")
-    ] = 10.0,
-    reference: Annotated[
-        str | None,
-        typer.Option(
-            "--reference",
-            metavar='"X0 Y0"',
-            help="Where Z0 is touched off, and the height is 0; else the point nearest to X0 Y0.",
-        ),
-    ] = None,
-    clearance: Annotated[
-        float, typer.Option("--clearance", metavar="MM", help="Over the work at this height.")
-    ] = _USUAL.clearance_mm,
-    depth: Annotated[
-        float, typer.Option("--depth", metavar="MM", help="So far below the reference at most.")
-    ] = _USUAL.depth_mm,
-    reach: Annotated[
-        float, typer.Option("--reach", metavar="MM", help="So far down to the reference at most.")
-    ] = _USUAL.reach_mm,
-    feed: Annotated[
-        float, typer.Option("--feed", metavar="MM_MIN", help="Towards the work, mm/min.")
-    ] = _USUAL.feed_mm_min,
-    go_on: Annotated[
-        bool, typer.Option("--go-on", help="Probe what is missing in the file.")
-    ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
+    low: FromOption = None,
+    high: ToOption = None,
+    every: EveryOption = 10.0,
+    reference: ReferenceOption = None,
+    clearance: ClearanceOption = _USUAL.clearance_mm,
+    depth: DepthOption = _USUAL.depth_mm,
+    reach: ReachOption = _USUAL.reach_mm,
+    feed: FeedOption = _USUAL.feed_mm_min,
+    go_on: GoOnOption = False,
+    force: ForceOption = False,
 ) -> None:
     """Probe a height map: the tool stands above the work, and goes from point to point.
 

@@ -8,7 +8,7 @@ from typing import Final
 
 from fraese.control.about import About
 from fraese.control.controller import Controller
-from fraese.control.jobs import Job
+from fraese.control.jobs import Job, Note
 from fraese.control.retract import Retract
 from fraese.errors import LimitError, ProgramError, StateError, placed
 from fraese.gcode.colours import Part, parts_of
@@ -225,13 +225,16 @@ class Program:
                 expected_s=facts.duration_s if facts else 0.0,
                 plan=facts.timetable if facts else None,
                 detour=Retract(controller.position, retract_mm) if retract_mm else None,
-                note=JobNote(
-                    self.name, self.content_hash, begun.found, translation, KeptMap.of(self.heights)
-                ).at,
+                note=self._note(begun, translation),
             ),
         )
         if said := [text for text in (news and news + _AS_OPENED, unkept) if text]:
             controller.say(joined(" ", said))
+
+    def _note(self, begun: Beginning, translation: Translation) -> Note:
+        """Says what must be known to go on with it."""
+        heights = KeptMap.of(self.heights)
+        return JobNote(self.name, self.content_hash, begun.found, translation, heights).at
 
     def _keep(self) -> str:
         """Keep a copy for later; why not, a sentence."""
