@@ -7,8 +7,8 @@ from typing import Annotated, Any
 import typer
 
 from fraese.axiswords import axis_words
-from fraese.cli.output import note
 from fraese.cli.options import with_options
+from fraese.cli.output import note
 from fraese.cli.shared import Answering
 from fraese.control.controller import Controller
 from fraese.errors import OutputError, UsageError
