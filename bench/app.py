@@ -23,6 +23,7 @@ import sys
 import tempfile
 import termios
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 #: Where the child tells when it wrote registers: one line of nanoseconds a write.
@@ -76,13 +77,21 @@ def child() -> None:
 
 
 class Terminal:
-    """The app in a pseudo-terminal of 80x24.
+    """The app in a pseudo-terminal.
 
     Args:
         state: folder of its journal; empty: it keeps none.
+        arguments: what Python is started with.
+        size: rows and columns.
     """
 
-    def __init__(self, state: str = "") -> None:
+    def __init__(
+        self,
+        state: str = "",
+        *,
+        arguments: Sequence[str] = (__file__, "child"),
+        size: tuple[int, int] = (24, 80),
+    ) -> None:
         self.begun_s = time.monotonic()
         self._writes, told = os.pipe()
         pid, self.input = pty.fork()
@@ -90,9 +99,9 @@ class Terminal:
             os.dup2(told, _WRITES_FD)
             os.environ["TERM"] = "xterm-256color"
             os.environ[_STATE] = state
-            os.execv(sys.executable, [sys.executable, __file__, "child"])
+            os.execv(sys.executable, [sys.executable, *arguments])
         self.pid = pid
-        fcntl.ioctl(self.input, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+        fcntl.ioctl(self.input, termios.TIOCSWINSZ, struct.pack("HHHH", *size, 0, 0))
         os.set_blocking(self._writes, False)
         self.seen = b""
 
@@ -109,15 +118,19 @@ class Terminal:
                     return True
         return False
 
-    def writes_ns(self) -> list[int]:
-        """Times of the register writes since the last call."""
+    def told_lines(self) -> list[str]:
+        """What the child has told since the last call."""
         text = b""
         try:
             while part := os.read(self._writes, 1 << 20):
                 text += part
         except BlockingIOError:
             pass
-        return [int(line) for line in text.split()]
+        return text.decode().split()
+
+    def writes_ns(self) -> list[int]:
+        """Times of the register writes since the last call."""
+        return [int(line) for line in self.told_lines()]
 
     def key_latency_ms(self, key: bytes, rest_s: float = 0.2) -> float:
         """Press a key and wait for the first register write."""

@@ -10,7 +10,7 @@ Rule 3: what is typed faster than the app can follow is left out, but for the st
         moves a machine later. What is pasted has an end.
 Rule 4: a key that is let go is told where the terminal knows kitty's protocol (``KeyEvents``); what
         is held is let go at once, in this thread.
-Rule 5: a lone ESC is the Escape key when nothing follows for 30 ms. What follows later, and would
+Rule 5: a lone ESC is the Escape key when nothing follows for 20 ms. What follows later, and would
         have been the rest of a longer key, is left out.
 Rule 6: what was typed before anything was drawn is left out, for the same reason, but for the key
         that quits.
@@ -49,7 +49,7 @@ from fraese.ui.screenwriter import ScreenWriter
 
 _LOOK_EVERY_S: Final = 0.1
 #: What belongs to a sequence follows its ESC within this time.
-_ESCAPE_S: Final = 0.03
+_ESCAPE_S: Final = 0.02
 #: What comes so soon behind an ESC that was taken for a key comes from no finger.
 _TORN_S: Final = 0.15
 _REST: Final = re.compile(r"\[[<?]?[\d;:]*[@-~]?|O[A-Za-z]?")

@@ -79,7 +79,7 @@ def test_every_key_is_whole_wherever_it_is_torn(event: int) -> None:
 def test_a_lone_escape_is_a_key_after_thirty_milliseconds() -> None:
     line = Line()
     assert line.send(b"\x1b") == []
-    assert line.keys.patience_s == 0.03
+    assert line.keys.patience_s == 0.02
     assert line.silent() == ["escape"]
     assert line.send(b"\x1b\x1b") == []
     assert line.silent() == ["escape", "escape"]

@@ -46,5 +46,5 @@ def test_a_failure_says_how_to_have_it_again(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr(Watch, "at_rest", find)
     seed = random.randrange(100)
-    with pytest.raises(Found, match=f"broken on purpose[^$]*--seed {seed} --life 0"):
+    with pytest.raises(Found, match=rf"(?s)broken on purpose.*--seed {seed} --life 0"):
         list(lives(seed, 30))

@@ -173,7 +173,7 @@ class KeyTable:
             ),
             spoken("Nothing here is an emergency stop: that is a switch which cuts the power."),
             spoken(
-                "Escape takes 30 ms, since longer keys begin like it, and none in terminals with"
+                "Escape takes 20 ms, since longer keys begin like it, and none in terminals with"
                 " the keyboard protocol of kitty; inside tmux or screen more (tmux: set"
                 " escape-time 0). Ctrl+C takes none."
             ),
