@@ -41,8 +41,10 @@ def test_homing_and_a_program_end_where_they_should(stack: Stack) -> None:
     assert ran.returncode == 0, ran.stdout + ran.stderr
     result = json.loads(ran.stdout)
     assert result["status"] == "done"
-    moved = [b - a for a, b in zip(zero, stack.mill.carriages_steps(), strict=True)]
-    assert moved == [200, 200, -200]
+    end = stack.mill.carriages_steps()
+    moved = [b - a for a, b in zip(zero, end, strict=True)]
+    told = (zero, end, stack.mill.lost_steps(), homed.stdout, ran.stdout)
+    assert moved == [200, 200, -200], told
     assert stack.mill.lost_steps() == (0, 0, 0)
     assert stack.mill.currents() == {(0, 0)}
 
