@@ -42,7 +42,7 @@ monkey: $(READY)
 looks: $(READY)
 	FRAESE_LOOKS=1 $(BIN)/pytest -n auto tests/ui/test_looks.py
 
-# The pictures of docs/app.md. LOCALE=de: in another language.
+# The pictures of docs/app.md and docs/app.de.md. LOCALE=de: those of one language.
 tour: $(READY)
 	$(BIN)/python -m bench.tour $(LOCALE)
 

@@ -1,19 +1,23 @@
 """The pictures of docs/app.md, drawn by the app itself, on the simulated mill in virtual time.
 
-Run: python -m bench.tour [LANGUAGE]
+Run: python -m bench.tour [LANGUAGE]; without one, in all.
 
 What has not changed is drawn byte by byte as before, so that git shows what has.
 """
 
 import asyncio
-import os
 import re
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
+from fraese.phrases import speak
+
 _DOCS = Path(__file__).parents[1] / "docs"
-TOUR, PICTURES = _DOCS / "app.md", _DOCS / "tour"
+PICTURES = _DOCS / "tour"
+#: What is drawn in which language is what its page shows.
+TOURS = {"en": _DOCS / "app.md", "de": _DOCS / "app.de.md"}
 SIZE = (100, 32)
 #: Letters as wide as the grid; Rich names one that would have to be fetched.
 _FONT = "ui-monospace, Menlo, Consolas, DejaVu Sans Mono, monospace"
@@ -32,16 +36,15 @@ def slim(svg: str) -> str:
     return re.sub(r"\n\s*", "\n", svg.replace("Fira Code, monospace", _FONT))
 
 
-def named() -> set[str]:
+def named(language: str) -> set[str]:
     """Pictures that the tour shows."""
-    return set(re.findall(r"tour/en/([\w-]+)\.svg", TOUR.read_text("utf-8")))
+    return set(re.findall(rf"tour/{language}/([\w-]+)\.svg", TOURS[language].read_text("utf-8")))
 
 
-async def draw(folder: Path) -> None:
-    """Those stops of the walk that the tour shows."""
+async def draw(folder: Path, wanted: set[str]) -> None:
+    """These stops of the walk."""
     from tests.ui.walk import app_on_the_way, walk, without_time
 
-    wanted = named()
     with tempfile.TemporaryDirectory() as place:
         async with app_on_the_way(Path(place), SIZE) as b:
             async for stop in walk(b):
@@ -53,11 +56,17 @@ async def draw(folder: Path) -> None:
                 print(f"{file}  {len(picture) // 1000} kB")
 
 
-def main(language: str = "en") -> None:
-    os.environ["FRAESE_LANGUAGE"] = language
+def main(language: str = "") -> None:
+    """Draw the tour; an app has one language, so each has a process of its own."""
+    if not language:
+        for each in TOURS:
+            subprocess.run([sys.executable, "-m", "bench.tour", each], check=True)
+        return
+    # Before anything else of ours: words are chosen when modules are loaded.
+    speak(language)
     folder = PICTURES / language
     folder.mkdir(parents=True, exist_ok=True)
-    asyncio.run(draw(folder))
+    asyncio.run(draw(folder, named(language)))
 
 
 if __name__ == "__main__":
