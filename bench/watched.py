@@ -27,7 +27,7 @@ from bench.app import Terminal
 LINES: Final = 100_000
 _SIZE: Final = (40, 120)
 _STOPS: Final = 5
-_STOP_KEYS: Final = {"Escape": b"\x1b", "Ctrl+C": b"\x03", "Space": b" "}
+_STOP_KEYS: Final = {"Escape": b"\x1b", "Ctrl+C": b"\x03"}
 _VIEWS: Final = {
     "Move": b"\x1bOQ", "Program": b"\x1bOR", "Calibrate": b"\x1bOS", "Bench": b"\x1b[15~",
     "Log": b"\x1b[17~", "Settings": b"\x1b[18~",
@@ -52,7 +52,9 @@ def program(lines: int) -> str:
 
 def child(folder: str) -> None:
     """The app; it tells of every byte for the motors, and of being asked to brake."""
-    from fraese.assembly import drivers
+    from unittest.mock import patch
+
+    from fraese.assembly import drivers, simulation
     from fraese.cli.shared import Drive
     from fraese.cli.theapp import make_app
     from fraese.config import Config
@@ -63,14 +65,14 @@ def child(folder: str) -> None:
     def tell(letter: str) -> None:
         os.write(_TOLD_FD, f"{letter}{time.monotonic_ns()}\n".encode())
 
-    brake, simulation = MotorCore.brake, drivers.simulated_mill
+    brake, simulated_mill = MotorCore.brake, simulation.simulated_mill
 
     def telling_brake(core: MotorCore) -> None:
         tell("b")
         brake(core)
 
     def telling(config: Config, clock: Clock) -> SimulatedMill:
-        mill = simulation(config, clock)
+        mill = simulated_mill(config, clock)
         write = mill.write_data
 
         def write_data(value: int) -> None:
@@ -81,8 +83,8 @@ def child(folder: str) -> None:
         return mill
 
     if os.environ.get(_TELLING):
-        MotorCore.brake = telling_brake  # type: ignore[method-assign]
-        drivers.simulated_mill = telling
+        patch.object(MotorCore, "brake", telling_brake).start()
+        patch.object(drivers, "simulated_mill", telling).start()
     on = Drive(config=None, state=Path(folder) / "state")
     plant = on.plant("paced")
     app = make_app(plant, Path(folder) / "large.ngc", on)
@@ -101,7 +103,7 @@ class Watched(Terminal):
     def __init__(self, folder: str, *, telling: bool = False) -> None:
         os.environ[_TELLING] = "1" if telling else ""
         super().__init__(arguments=("-m", "bench.watched", "child", folder), size=_SIZE)
-        self._told: list[tuple[str, int]] = []
+        self._telling = telling
 
     def wait_for(self, words: bytes) -> None:
         """Until this is drawn, after what was drawn before."""
@@ -120,7 +122,11 @@ class Watched(Terminal):
         self.wait_for(b"Frame first")
         self.read(1)
         self.type(b"\r")
-        self.read(4)
+        until_s = time.monotonic() + _PATIENCE_S
+        while self._telling and not any(letter == "w" for letter, _ in self.told()):
+            assert time.monotonic() < until_s, "nothing moves"
+            self.read(0.1)
+        self.read(3)
 
     def stop_ms(self, key: bytes, *, unread_s: float) -> tuple[float, float]:
         """From the key to the request, and to the last step.
@@ -183,6 +189,7 @@ def shares(folder: str) -> None:
     try:
         app.wait_for(b"Start it with s")
         app.start()
+        app.read(3)
         share, pictures = app.watched()
         print(f"moving, path drawn   {share:6.1%} of a core, {pictures:.1f} pictures a second")
         app.type(b"\x1b")
