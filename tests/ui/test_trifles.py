@@ -2,6 +2,7 @@
 
 import asyncio
 from pathlib import Path
+from typing import cast
 
 import pytest
 from rich.style import Style
@@ -133,6 +134,20 @@ def test_a_list_without_a_line_in_sight_has_no_pages_and_takes_no_late_click() -
             )
             await pilot.pause()
             assert options.highlighted == 1
+
+    play(scene)
+
+
+def test_a_palette_that_has_gone_before_its_search_begins() -> None:
+    async def scene() -> None:
+        async with bench() as b:
+            await b.press("ctrl+p")
+            await b.wait(lambda: isinstance(b.app.screen, Palette))
+            palette = cast(Palette, b.app.screen)
+            await palette.query_one(CommandList).remove()
+            palette._gather_commands("")
+            await b.settled()
+            await palette.workers.wait_for_complete()
 
     play(scene)
 

@@ -4,12 +4,14 @@ Textual's fail where a page is asked for and there is no line, in a low window o
 where a line is clicked that has just gone. An app that fails ends.
 """
 
+from contextlib import suppress
 from typing import Literal
 
-from textual import events
+from textual import events, work
 from textual.app import ComposeResult
 from textual.await_complete import AwaitComplete
 from textual.command import CommandList, CommandPalette
+from textual.css.query import NoMatches
 from textual.widgets import OptionList
 
 
@@ -37,6 +39,12 @@ class Palette(CommandPalette):
         """As Textual's."""
         for widget in super().compose():
             yield Commands() if isinstance(widget, CommandList) else widget
+
+    @work(exclusive=True, group=CommandPalette._GATHER_COMMANDS_GROUP)
+    async def _gather_commands(self, search_value: str) -> None:
+        """As Textual's, also where the palette has gone before its search begins."""
+        with suppress(NoMatches):
+            await CommandPalette._gather_commands.__wrapped__(self, search_value)  # type: ignore[attr-defined]
 
     def dismiss(self, result: None = None) -> AwaitComplete:
         """Close it, once: two keys that come at once may both want to."""

@@ -77,6 +77,7 @@ class PathPane(Widget):
         self._done = 1
         self._lit: set[int] = set()
         self._marks: dict[tuple[int, int], str] = {}
+        self._followed: object = None
         self._dragged: Offset | None = None
 
     @property
@@ -150,6 +151,7 @@ class PathPane(Widget):
             self._again = True
             return
         self._again = False
+        self._followed = None
         self._fresh = fresh = Dots(self._shown.width, self._shown.height, len(_CLASSES), self._cell)
         if self._scene.box is not None:
             edges = self._view.dots(box_edges(*self._scene.box)).reshape(-1, 2, 2)
@@ -176,6 +178,7 @@ class PathPane(Widget):
             self._shown = fresh
             self._strips = [None] * fresh.height
             self._lit.clear()
+            self._followed = None
             self.follow()
             self.refresh()
         if self._again:
@@ -194,7 +197,12 @@ class PathPane(Widget):
         onto.lines(_DONE, begin[made], to[made])
 
     def follow(self) -> None:
-        """The job has gone on, or the tool has moved."""
+        """The job has gone on, or the tool has moved; if neither has, nothing is drawn."""
+        scene = self._scene
+        followed = (scene.tool, scene.zero, scene.first, scene.last, scene.move)
+        if followed == self._followed:
+            return
+        self._followed = followed
         rows = self._lit
         self._lit = set()
         if self._fresh is None:
