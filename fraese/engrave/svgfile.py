@@ -41,6 +41,8 @@ _UNDRAWN: Final = {
 }
 #: Ellipses whose radii differ by less than this share are circles.
 _ROUND: Final = 1e-6
+#: Points that are no further apart are one.
+_SAME_MM: Final = 1e-6
 
 Element = ElementTree.Element
 
@@ -200,8 +202,11 @@ def _subpaths(shape: Any, tolerance_mm: float) -> Iterator[Path]:
             continue
         if segment.start is None or segment.end is None:
             continue
-        parts.append(_piece(segment, tolerance_mm))
-        if isinstance(segment, svgelements.Close):
+        is_close = isinstance(segment, svgelements.Close)
+        # Mostly the last point is the first one already.
+        if not (is_close and parts and abs(segment.end - segment.start) * _PX_MM < _SAME_MM):
+            parts.append(_piece(segment, tolerance_mm))
+        if is_close:
             yield _ended(parts)
             parts = []
     if parts:
@@ -211,7 +216,7 @@ def _subpaths(shape: Any, tolerance_mm: float) -> Iterator[Path]:
 def _ended(parts: list[Path]) -> Path:
     path = _with_whole_arcs(one(parts))
     begin, end = path.points[0], path.points[-1]
-    if len(path.points) > 2 and np.allclose(begin, end, rtol=0, atol=1e-6):
+    if len(path.points) > 2 and np.allclose(begin, end, rtol=0, atol=_SAME_MM):
         path.points[-1] = begin
     return path
 
@@ -233,7 +238,7 @@ def _with_whole_arcs(path: Path) -> Path:
     ends = np.append(kept[1:], len(turns))
     points = np.concatenate((path.points[:1], path.points[ends]))
     for number in np.flatnonzero(turns[kept]).tolist():
-        if np.allclose(points[number], points[number + 1], rtol=0, atol=1e-6):
+        if np.allclose(points[number], points[number + 1], rtol=0, atol=_SAME_MM):
             points[number + 1] = points[number]
     return Path(points, centres[kept], turns[kept])
 

@@ -41,7 +41,7 @@ def moves(text: str) -> Iterator[Move]:
             absolute = True
         elif flag == "7":
             values.base = 32
-        elif flag in ":>":
+        elif flag in (":", ">"):
             number = values.value()
             if number is None:
                 return
