@@ -22,6 +22,8 @@ from fraese.plaintext import plain
 _FORMATS: Final = ("PNG", "JPEG", "GIF", "TIFF", "BMP", "WEBP", "PPM", "MPO", "DIB")
 #: Modes with more than 8 bits, and what is white in them.
 _DEEP: Final = {"I;16": 65535.0, "I;16B": 65535.0, "I;16L": 65535.0, "I": 65535.0, "F": 1.0}
+#: Where a picture says which side is up; from 5 on it lies on its side.
+_TURNED: Final = 0x0112
 #: Memory that a picture may take is bounded by its dots.
 MOST_DOTS: Final = 80_000_000
 
@@ -40,11 +42,8 @@ class DotPicture:
     def __init__(self, data: bytes, name: str) -> None:
         self._data, self._name = data, name
         self.notes: list[str] = []
-        with _refusals(name):
-            with self._opened() as picture:
-                columns, rows = picture.size
-                turned = picture.getexif().get(0x0112, 1) in (5, 6, 7, 8)
-                frames = getattr(picture, "n_frames", 1)
+        with _refusals(name), self._opened() as picture:
+            columns, rows = picture.size
             if columns * rows > MOST_DOTS:
                 raise UsageError(
                     phrase(
@@ -55,6 +54,8 @@ class DotPicture:
                         most=MOST_DOTS / 1e6,
                     )
                 )
+            frames = getattr(picture, "n_frames", 1)
+            turned = _may_be_turned(picture) and picture.getexif().get(_TURNED, 1) >= 5
         self.columns, self.rows = (rows, columns) if turned else (columns, rows)
         if frames > 1:
             self.notes.append(
@@ -70,8 +71,9 @@ class DotPicture:
                 # Decoded smaller where it may be; no smaller than this.
                 side = max(columns, rows)
                 picture.draft("L", (side, side))
-            grey = ImageOps.exif_transpose(_grey(picture))
-            small = grey.resize((columns, rows), Image.Resampling.BOX)
+            if _may_be_turned(picture):
+                ImageOps.exif_transpose(picture, in_place=True)
+            small = _grey(picture).resize((columns, rows), Image.Resampling.BOX)
             return 255 - np.asarray(small, np.uint8)
 
     def _opened(self) -> Image.Image:
@@ -87,15 +89,17 @@ def read(data: bytes, name: str) -> DotPicture:
     return DotPicture(data, name)
 
 
+def _may_be_turned(picture: Image.Image) -> bool:
+    """It may say which side is up. In a PNG that would be asked by reading all of it."""
+    return picture.format in ("JPEG", "MPO", "TIFF", "WEBP")
+
+
 def _grey(picture: Image.Image) -> Image.Image:
     """How bright it is, 8 bits, on white."""
     if picture.mode in _DEEP:
         values = np.asarray(picture, np.float32)
         white = max(_DEEP[picture.mode], float(values.max()) if picture.mode == "F" else 0.0)
-        made = Image.fromarray((values.clip(0, white) * (255 / white)).astype(np.uint8))
-        made.info, exif = dict(picture.info), picture.getexif()
-        made.getexif().update(exif)
-        return made
+        return Image.fromarray((values.clip(0, white) * (255 / white)).astype(np.uint8))
     if picture.has_transparency_data:
         clear = picture.convert("RGBA")
         grey = Image.new("L", picture.size, 255)

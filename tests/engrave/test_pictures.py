@@ -129,7 +129,7 @@ def test_thresholds_and_the_bright_side(bench: Bench) -> None:
     made = bench.engrave(file, "--threshold", 20, "--width", 30)
     assert made["cut_mm"] == pytest.approx(80, rel=0.03)
     made = bench.engrave(file, "--threshold", 80, "--width", 30, "--invert")
-    assert made["cut_mm"] == pytest.approx(120, rel=0.03)
+    assert made["cut_mm"] == pytest.approx(120 + 80, rel=0.03)
 
 
 def test_a_picture_has_a_size_that_is_told(bench: Bench) -> None:
