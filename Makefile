@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test fuzz monkey mutate campaign looks tour coverage check format clean firmware rig-avr rig-lpt
+.PHONY: run test fuzz monkey mutate campaign looks tour engravings coverage check format clean firmware rig-avr rig-lpt
 
 run: $(READY)
 	$(BIN)/fraese
@@ -45,6 +45,10 @@ looks: $(READY)
 # The pictures of docs/app.md and docs/app.de.md. LOCALE=de: those of one language.
 tour: $(READY)
 	$(BIN)/python -m bench.tour $(LOCALE)
+
+# The pictures of docs/engrave.md: its examples, carried out.
+engravings: $(READY)
+	$(BIN)/python -m bench.engravings
 
 # Twice as slow.
 coverage: $(READY)

@@ -230,7 +230,7 @@ class _Result:
         self._name, self._plan, self._job, self._tool, self._wanted = name, plan, job, tool, wanted
         self._figures = Figures()
         self._lines = 0
-        self._preview = _preview(plan, tool) if wanted.preview else None
+        self._preview = _preview(plan, job, tool) if wanted.preview else None
         self._sketch = _sketch(plan) if wanted.show else None
 
     def make(self, progress: "_Progress") -> None:
@@ -312,10 +312,13 @@ class _Result:
         }
 
 
-def _preview(plan: Plan, tool: Cutter | Laser) -> Preview:
+def _preview(plan: Plan, job: Job, tool: Cutter | Laser) -> Preview:
+    # The lines of a bitmap are as far apart as they are wide; those of a sweep are to be seen.
+    line_mm = job.distance_mm if job.way == jobs.BITMAP else 0.0
     if isinstance(tool, Laser):
-        return Preview(plan.sheet, tool.overscan_mm, 0.0, tool.power)
-    return Preview(plan.sheet, 0.0, tool.depth_mm, 0.0)
+        overscan_mm = 0.0 if job.way == jobs.OUTLINE else tool.overscan_mm
+        return Preview(plan.sheet, overscan_mm=overscan_mm, power=tool.power, line_mm=line_mm)
+    return Preview(plan.sheet, depth_mm=tool.depth_mm, line_mm=line_mm)
 
 
 def _sketch(plan: Plan) -> Sketch:

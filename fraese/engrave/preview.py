@@ -26,9 +26,18 @@ class Preview:
         overscan_mm: how far rows go beyond it.
         depth_mm: of a cutter; 0: it is a laser.
         power: of a laser, the greatest.
+        line_mm: how wide a cut is drawn; a hair at least.
     """
 
-    def __init__(self, sheet: Sheet, overscan_mm: float, depth_mm: float, power: float) -> None:
+    def __init__(
+        self,
+        sheet: Sheet,
+        *,
+        overscan_mm: float = 0.0,
+        depth_mm: float = 0.0,
+        power: float = 0.0,
+        line_mm: float = 0.0,
+    ) -> None:
         self._depth_mm, self._power = depth_mm, power
         low = [min(0.0, at) - overscan_mm for at in sheet.low]
         high = [
@@ -37,6 +46,7 @@ class Preview:
         ]
         wide, tall = (max(b - a, 1e-3) for a, b in zip(low, high, strict=True))
         self._per_mm = _LONG_PX / max(wide, tall)
+        self._line_px = max(1, math.ceil(line_mm * self._per_mm))
         self._low = low
         size = [math.ceil(side * self._per_mm) + 2 * _EDGE_PX for side in (wide, tall)]
         self._top = size[1] - _EDGE_PX
@@ -67,13 +77,14 @@ class Preview:
         if move.cuts:
             strength = -z / self._depth_mm if self._depth_mm else self._strength
             grey = round(215 * (1 - min(max(strength, 0.05), 1.0)))
-            self._draw.line(line, fill=(grey, grey, grey), width=1)
+            self._draw.line(line, fill=(grey, grey, grey), width=self._line_px)
         elif move.kind == RAPID:
             self._draw.line(line, fill=_RAPID, width=1)
         elif z < 0 and to == (x, y):
             # A dot: the tool goes down, and nowhere else.
             px, py = line[0]
-            self._draw.ellipse((px - 1, py - 1, px + 1, py + 1), fill=(0, 0, 0))
+            half = max(1, self._line_px / 2)
+            self._draw.ellipse((px - half, py - half, px + half, py + half), fill=(0, 0, 0))
         self._at = (*to, z)
 
     def _px(self, x: float, y: float) -> tuple[float, float]:
