@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fraese.engrave.shapes import Path, Points
 
@@ -37,7 +36,9 @@ def ordered(paths: Sequence[Path], tell: Callable[[int], None] = lambda done: No
         tell: is told how many have their place.
     """
     outside = nesting(paths)
-    inside = np.bincount([parent for parent in outside if parent >= 0], minlength=len(paths))
+    inside = np.bincount(
+        np.array([n for holders in outside for n in holders], int), minlength=len(paths)
+    )
     near = _Near([place for n in np.flatnonzero(inside == 0) for place in _places(paths, int(n))])
     at, made = (0.0, 0.0), list[Path]()
     while (place := near.nearest(*at)) is not None:
@@ -46,11 +47,10 @@ def ordered(paths: Sequence[Path], tell: Callable[[int], None] = lambda done: No
         made.append(path)
         tell(len(made))
         at = (float(path.points[-1, 0]), float(path.points[-1, 1]))
-        parent = outside[place.path]
-        if parent >= 0:
-            inside[parent] -= 1
-            if not inside[parent]:
-                near.add(_places(paths, parent))
+        for holder in outside[place.path]:
+            inside[holder] -= 1
+            if not inside[holder]:
+                near.add(_places(paths, holder))
     return made
 
 
@@ -77,18 +77,18 @@ def _begun(path: Path, point: int) -> Path:
 # --- what lies inside --------------------------------------------------------------------------
 
 
-def nesting(paths: Sequence[Path]) -> list[int]:
-    """For each path the smallest closed one that it lies in; -1: it lies in none."""
+def nesting(paths: Sequence[Path]) -> list[list[int]]:
+    """For each path the smallest closed one that it lies in; all of them, if some are the same."""
     if not paths:
         return []
     corners = np.array([np.concatenate(path.bounds) for path in paths])
     areas = np.prod(corners[:, 2:] - corners[:, :2], axis=1)
     closed = np.array([path.is_closed for path in paths])
     rings: dict[int, Points] = {}
-    outside = []
+    outside: list[list[int]] = []
     for number, path in enumerate(paths):
         x0, y0, x1, y1 = corners[number]
-        holds = (
+        around = (
             closed
             & (corners[:, 0] <= x0)
             & (corners[:, 1] <= y0)
@@ -96,21 +96,23 @@ def nesting(paths: Sequence[Path]) -> list[int]:
             & (corners[:, 3] >= y1)
             & (areas > areas[number])
         )
-        fitting = np.flatnonzero(holds)
-        outside.append(_smallest(fitting[np.argsort(areas[fitting])], path, paths, rings))
+        fitting = np.flatnonzero(around)
+        found: list[int] = []
+        for candidate in fitting[np.argsort(areas[fitting])].tolist():
+            if found and areas[candidate] > areas[found[0]]:
+                break
+            if holds(_ring_of(candidate, paths, rings), path.points[0]):
+                found.append(candidate)
+        outside.append(found)
     return outside
 
 
-def _smallest(
-    fitting: NDArray[np.int64], path: Path, paths: Sequence[Path], rings: dict[int, Points]
-) -> int:
-    for candidate in fitting.tolist():
-        if candidate not in rings:
-            low, high = paths[candidate].bounds
-            rings[candidate] = paths[candidate].flattened(float((high - low).max()) * _COARSE)
-        if holds(rings[candidate], path.points[0]):
-            return int(candidate)
-    return -1
+def _ring_of(number: int, paths: Sequence[Path], rings: dict[int, Points]) -> Points:
+    """A closed path as straight lines, made once."""
+    if number not in rings:
+        low, high = paths[number].bounds
+        rings[number] = paths[number].flattened(float((high - low).max()) * _COARSE)
+    return rings[number]
 
 
 def holds(ring: Points, point: Points) -> bool:

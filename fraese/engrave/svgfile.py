@@ -262,8 +262,21 @@ def _arc(segment: Any, begin: Points, end: Points, tolerance_mm: float) -> Path:
         # Angles grow downwards there.
         return arc(begin, end, _mm(segment.center), -1 if sweep > 0 else 1)
 
+    centre = _mm(segment.center)
+    across, up = _mm(segment.prx) - centre, _mm(segment.pry) - centre
+    frame = np.column_stack((across, up))
+    side = float(np.linalg.det(frame))
+    if abs(side) < _SAME_MM**2:
+        return straight([begin, end])
+    # It turns downwards, its frame may be mirrored.
+    swept = -sweep if side > 0 else sweep
+    # Its own angle at the start is wrong in turned and mirrored groups.
+    c, s = np.linalg.solve(frame, begin - centre)
+    first = math.atan2(s, c)
+
     def where(shares: Points) -> Points:
-        return np.array([_mm(segment.point(float(share))) for share in shares])
+        angles = (first + swept * shares)[:, None]
+        return np.asarray(centre + across * np.cos(angles) + up * np.sin(angles))
 
     points = curves.sampled(where, sweep, max(radii) * _PX_MM, tolerance_mm)
     points[0], points[-1] = begin, end

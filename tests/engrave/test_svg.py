@@ -70,6 +70,27 @@ def test_circles_and_round_arcs_stay_arcs_ellipses_do_not() -> None:
     assert oval.length_mm == pytest.approx(96.88, abs=0.02)
 
 
+def test_round_arcs_in_mirrored_groups_turn_the_other_way() -> None:
+    arc = '<path d="M10 50 A 20 20 0 0 1 50 50" fill="none" stroke="#000"/>'
+    (path,) = paths(f'<g transform="translate(60,0) scale(-1,1)">{arc}</g>')
+    assert path.turns.tolist() == [1]
+    assert path.points.tolist() == [pytest.approx([50, -50]), pytest.approx([10, -50])]
+    assert size([path]) == pytest.approx([40, 20])
+    assert path.bounds[1].tolist() == pytest.approx([50, -30])
+
+
+@pytest.mark.parametrize("turn", ["", "scale(-1,1)", "rotate(40) scale(1,-2)", "skewX(30)"])
+@pytest.mark.parametrize("flags", ["0 0", "0 1", "1 0", "1 1"])
+def test_parts_of_ellipses_have_no_jumps(turn: str, flags: str) -> None:
+    arc = f'<path d="M10 10 A 20 9 25 {flags} 30 22" fill="none" stroke="red" transform="{turn}"/>'
+    (path,) = paths(arc)
+    assert len(path.points) > 20
+    assert path.lengths.max() < 4 * path.lengths.mean()
+    (whole,) = paths(f'<g transform="{turn}"><ellipse cx="9" cy="9" rx="20" ry="9"/></g>')
+    assert whole.is_closed
+    assert whole.lengths.max() < 4 * whole.lengths.mean()
+
+
 @pytest.mark.parametrize(
     "inside",
     [
