@@ -7,7 +7,7 @@ from fraese.control.state import MachineState, three_decimals
 from fraese.phrases import shown, spoken
 from fraese.ui.programs import Facts
 from fraese.ui.shape import AxisShape, Shape
-from fraese.ui.widgets.status import clock_words, switch_words
+from fraese.ui.widgets.status import clock_words, contact_words
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,7 +201,7 @@ def _referenced(state: MachineState) -> Line:
 
 def _switches(state: MachineState, shape: Shape, tried: Collection[str]) -> Line:
     ends = shape.ends
-    said = switch_words(state)
+    said = contact_words(state)
     if state.switch_ignored:
         said = spoken("{said}, IGNORED", said=said)
     count = len(set(ends) & set(tried))

@@ -42,15 +42,15 @@ class Fingers:
         self._unsure = unsure
         self._rest = rest
         self._timers: list[Timer] = []
-        self._seen: deque[tuple[Key, Stroke]] = deque(maxlen=_WAITING)
+        self._seen: deque[tuple[Key, Stroke, int]] = deque(maxlen=_WAITING)
 
     def press(self, event: Key) -> None:
         """This key was pressed, or repeats."""
         key, at_s = event.key, event.time
         held_before = self._held.holds
-        self._repeats.press(key, at_s)
+        factor = self._repeats.press(key, at_s)
         stroke = self._held.press(key, at_s)
-        self._seen.append((event, stroke))
+        self._seen.append((event, stroke, factor))
         if held_before and self._held.holds != held_before:
             self._let_go()
         for timer in self._timers:
@@ -64,7 +64,9 @@ class Fingers:
 
     def does(self, event: Key) -> None:
         """What this key is for is done next."""
-        stroke = next((stroke for seen, stroke in self._seen if seen is event), Stroke.TAP)
+        found = ((stroke, factor) for seen, stroke, factor in self._seen if seen is event)
+        stroke, factor = next(found, (Stroke.TAP, 1))
+        self._repeats.does(factor)
         self._held.is_done(stroke, event.time)
 
     def up(self, key: str) -> None:

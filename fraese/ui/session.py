@@ -14,7 +14,14 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+)
 
 from fraese.errors import ConfigError
 from fraese.journal.files import make_folder, open_plain, read_all, replace
@@ -35,13 +42,20 @@ _Rate = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 _Input = Annotated[str, Field(max_length=_INPUT)]
 
 
-def _plausible(manners: Manners) -> Manners:
-    if not manners.are_plausible:
-        raise ValueError("no keyboard repeats so")
-    return manners
+#: Of a terminal about which nonsense was kept: nobody has measured it.
+_UNMEASURED: Final = Manners()
 
 
-_Manners = Annotated[Manners, AfterValidator(_plausible)]
+def _plausible(value: object, read: ValidatorFunctionWrapHandler) -> Manners:
+    # One terminal that is to be measured again is no reason to forget all the others, and the file.
+    try:
+        manners = read(value)
+    except ValidationError:
+        return _UNMEASURED
+    return manners if isinstance(manners, Manners) and manners.are_plausible else _UNMEASURED
+
+
+_Manners = Annotated[Manners, WrapValidator(_plausible)]
 
 
 class Session(BaseModel):
@@ -104,7 +118,7 @@ class SessionFile:
                 content = read_all(fd, _MOST_BYTES)
             finally:
                 os.close(fd)
-            return Session.model_validate_json(content)
+            return self._without_unread(Session.model_validate_json(content))
         except ValidationError as error:
             newer = any(each["loc"] == ("version",) for each in error.errors(include_url=False))
             self.word = (
@@ -117,6 +131,17 @@ class SessionFile:
                 "The last session is forgotten: {path} cannot be read.", path=self._path
             )
         return Session()
+
+    def _without_unread(self, found: Session) -> Session:
+        """Without terminals about which nonsense was kept."""
+        measured = {name: its for name, its in found.held_keys.items() if its.is_measured}
+        if unread := [name for name in found.held_keys if name not in measured]:
+            self.word = phrase(
+                "How held keys repeat is forgotten for {terminals}: {path} is damaged there.",
+                terminals=", ".join(unread),
+                path=self._path,
+            )
+        return found.model_copy(update={"held_keys": measured})
 
     def keep(self, session: Session) -> None:
         """Write it, if it is another than last time; from any thread."""

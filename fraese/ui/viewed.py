@@ -9,6 +9,7 @@ from textual.app import App, SystemCommand
 from textual.screen import Screen
 
 from fraese.phrases import spoken
+from fraese.plaintext import plain
 from fraese.ui.keyrows import Area, KeyTable
 from fraese.ui.views.view import Desk, View
 from fraese.ui.widgets.options import Palette
@@ -59,9 +60,10 @@ class ViewedApp(App[None]):
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """The palette: every command of the table."""
         for command in self._keys.commands:
+            said = spoken("Key {all_shown}. {help}", all_shown=command.all_shown, help=command.help)
             yield SystemCommand(
-                command.title,
-                spoken("Key {all_shown}. {help}", all_shown=command.all_shown, help=command.help),
+                _literally(command.title),
+                _literally(said if command.all_shown else command.help),
                 self._from_palette(command.action, command.area),
             )
 
@@ -74,3 +76,8 @@ class ViewedApp(App[None]):
             await self.run_action(action, self.view)
 
         return run
+
+
+def _literally(text: str) -> str:
+    """A text for what reads markup: the name of a macro, or its lines, may look like some."""
+    return plain(text).replace("[", "\\[")

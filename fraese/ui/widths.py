@@ -20,27 +20,33 @@ class RepeatRule:
 
     Presses 1 to 20 of the same key count single, from the 21st on ten-fold; another key resets it.
     Unlike the original's, a pause does so too: who comes back means one step.
+
+    Attributes:
+        factor: what the press counts that is being done. It may have been made some time ago, with
+            others behind it already.
     """
 
     def __init__(self) -> None:
         self._key = ""
         self._count = 0
         self._at_s = 0.0
+        self.factor = 1
 
-    def press(self, key: str, at_s: float = 0.0) -> None:
-        """A key was pressed, any key; at this time."""
+    def press(self, key: str, at_s: float = 0.0) -> int:
+        """A key was pressed, any key; at this time. What it will count when it is done."""
         gap_s, self._at_s = at_s - self._at_s, at_s
         is_same = key == self._key and gap_s < PAUSE_S
         self._key, self._count = key, self._count + 1 if is_same else 1
+        return REPEAT_FACTOR if self._count >= REPEAT_FROM else 1
+
+    def does(self, factor: int) -> None:
+        """A press that counts so much is done next."""
+        self.factor = factor
 
     def forget(self) -> None:
         """Something other than a key was used, or nothing for a while."""
         self.press("")
-
-    @property
-    def factor(self) -> int:
-        """What the press last seen counts."""
-        return REPEAT_FACTOR if self._count >= REPEAT_FROM else 1
+        self.factor = 1
 
 
 @dataclass(frozen=True, slots=True)

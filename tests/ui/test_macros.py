@@ -4,13 +4,17 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+from textual.containers import VerticalScroll
+from textual.widgets import Input
 
 from fraese.config.file import load
 from fraese.errors import ConfigError
+from fraese.ui.dialogs.help import HelpPage
 from fraese.ui.dialogs.macro import MacroDialog
 from fraese.ui.keyrows import KeyTable
 from fraese.ui.macros import Macro
 from fraese.ui.shape import AxisShape, Shape
+from fraese.ui.widgets.options import Palette
 from tests.ui.helpers import Bench, bench, play
 
 MILL = Shape(tuple(AxisShape(name, "mm", 0.005) for name in "xyz"), "half-step")
@@ -162,3 +166,36 @@ def test_lines_are_a_list_or_a_text(tmp_path: Path) -> None:
     first, second = load(path).macros
     assert first.lines == second.lines == ("G91", "G0 X1")
     assert (first.key, second.key) == (None, ("f9",))
+
+
+def drawn(b: Bench) -> str:
+    lines = b.app.screen._compositor.render_strips()
+    return "\n".join("".join(segment.text for segment in strip) for strip in lines)
+
+
+def test_names_and_lines_with_brackets_are_shown_as_they_are() -> None:
+    """On the button, in the help and in the palette."""
+    names = ("[x]", "[red]Up", "a [b", "[#1")
+    macros = [Macro(name, ("G91", "G0 X[1+[2]]", "(see [/b])"), confirm=False) for name in names]
+
+    async def scene() -> None:
+        async with bench(macros=macros, keys=table(macros), size=(120, 40)) as b:
+            await b.settled()
+            assert all(name in drawn(b) for name in names)
+            await b.press("f1")
+            await b.wait(lambda: isinstance(b.app.screen, HelpPage))
+            await b.pilot.pause()
+            shown = ""
+            for _ in range(12):
+                shown += drawn(b)
+                b.app.screen.query_one(VerticalScroll).scroll_page_down(animate=False)
+                await b.pilot.pause()
+            assert all(f"{name}: Run G91 G0 X[1+[2]] (see [/b])." in shown for name in names)
+            await b.press("escape", "ctrl+p")
+            await b.wait(lambda: isinstance(b.app.screen, Palette))
+            for name in ("[x]", "[red]Up"):
+                b.app.screen.query_one(Input).value = name
+                await b.wait(lambda: name in drawn(b).split("\n", 6)[-1])  # noqa: B023
+                assert "Run G91 G0 X[1+[2]] (see [/b])." in drawn(b)
+
+    play(scene)

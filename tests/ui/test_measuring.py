@@ -141,14 +141,19 @@ def test_of_each_terminal_the_last_is_kept_and_of_many_the_latest() -> None:
 )
 def test_nonsense_is_forgotten_with_a_word_in_the_log(tmp_path: Path, nonsense: object) -> None:
     path = tmp_path / "session.json"
-    path.write_text(json.dumps({"version": 1, "held_keys": {terminal_name(): nonsense}}))
+    others = {"other": {"delay_s": 0.4, "interval_s": 0.03, "jitter_s": 0.001}}
+    kept = {"version": 1, "theme": "x", "held_keys": {terminal_name(): nonsense, **others}}
+    path.write_text(json.dumps(kept))
 
     async def scene() -> None:
         async with bench(session=path) as b:
             await b.settled()
             assert not b.app._strokes.manners.is_measured
             said = [event.title for event in b.app._events.of(tuple(Kind))]
-            assert [each for each in said if "is damaged" in each]
+            assert [each for each in said if "is damaged there" in each and "other" not in each]
+            # One bad entry takes nothing else with it.
+            assert b.app._session.found.theme == "x"
+            assert list(b.app._session.found.held_keys) == ["other"]
 
     play(scene)
 

@@ -3,11 +3,14 @@
 from dataclasses import replace
 
 import pytest
+from textual.events import Key
 
 from fraese.alarms import END_SWITCH
 from fraese.control.state import MachineState, Status, three_decimals
 from fraese.control.switchtest import SwitchTest
 from fraese.ui.feed import StateFeed
+from fraese.ui.fingers import Fingers
+from fraese.ui.heldkeys import HeldKeys
 from fraese.ui.keyrows import GROUPS, KeyTable
 from fraese.ui.shape import AxisShape, Shape
 from fraese.ui.widgets.statebar import Seen, seen
@@ -40,8 +43,7 @@ def test_repeat_rule_counts_single_to_20_then_tenfold() -> None:
     rule = RepeatRule()
     factors = []
     for _ in range(25):
-        rule.press("right")
-        factors.append(rule.factor)
+        factors.append(rule.press("right"))
     assert factors == [1] * 20 + [10] * 5
 
 
@@ -51,8 +53,7 @@ def test_only_another_key_resets_the_repeat_rule(other: str) -> None:
     for _ in range(30):
         rule.press("right")
     rule.press(other)
-    rule.press("right")
-    assert rule.factor == 1
+    assert rule.press("right") == 1
 
 
 def test_every_command_has_its_own_keys_and_a_group() -> None:
@@ -85,9 +86,31 @@ def test_feed_keeps_the_latest_and_posts_once() -> None:
 def test_a_pause_resets_the_repeat_rule() -> None:
     rule = RepeatRule()
     for n in range(25):
-        rule.press("right", n * 0.12)
-    assert rule.factor == 10
-    rule.press("right", 25 * 0.12 + 1)
+        factor = rule.press("right", n * 0.12)
+    assert factor == 10
+    assert rule.press("right", 25 * 0.12 + 1) == 1
+
+
+class Silent:
+    """A timer that never rings."""
+
+    def stop(self) -> None:
+        pass
+
+
+def test_a_press_counts_what_it_counted_when_it_was_made() -> None:
+    """Also if it is done late, with others behind it already."""
+    rule, held = RepeatRule(), HeldKeys()
+    fingers = Fingers(rule, held, lambda *_: Silent(), *(lambda: None,) * 3)
+    keys = [Key("right", None) for _ in range(25)] + [Key("left", None)]
+    for key in keys:
+        fingers.press(key)
+    counted = []
+    for key in keys:
+        fingers.does(key)
+        counted.append(rule.factor)
+    assert counted == [1] * 20 + [10] * 5 + [1]
+    rule.forget()
     assert rule.factor == 1
 
 

@@ -7,6 +7,7 @@ from textual.containers import Vertical, VerticalScroll
 from textual.widgets import Static
 
 from fraese.phrases import shown, spoken
+from fraese.plaintext import plain
 from fraese.ui.dialogs.page import Page
 from fraese.ui.keyrows import GROUPS, Area
 from fraese.ui.keyrows.everywhere import PALETTE
@@ -38,5 +39,6 @@ class HelpPage(Page[None]):
         table.add_column()
         for command in self.keys.commands:
             if command.group == shown(group):
-                table.add_row(Text(command.all_shown, "bold"), f"{command.title}: {command.help}")
+                words = plain(f"{command.title}: {command.help}")
+                table.add_row(Text(command.all_shown, "bold"), Text(words))
         return table

@@ -23,6 +23,16 @@ def switch_words(state: MachineState) -> str:
     return spoken("switch {ends}", ends=ends + ("?" if len(state.ends) > 1 else ""))
 
 
+def contact_words(state: MachineState) -> str:
+    """The same where it is said already that it is about switches."""
+    if not state.switch_closed:
+        return spoken("open")
+    ends = spoken(" or ").join(state.ends)
+    if not ends:
+        return spoken("closed, nobody knows which")
+    return spoken("{ends} closed", ends=ends + ("?" if len(state.ends) > 1 else ""))
+
+
 def lost_words(state: MachineState) -> str:
     """What motors of a simulated mill did not follow, how far, and why; empty if nothing."""
     lost = [
