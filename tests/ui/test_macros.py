@@ -12,8 +12,10 @@ from fraese.errors import ConfigError
 from fraese.ui.dialogs.help import HelpPage
 from fraese.ui.dialogs.macro import MacroDialog
 from fraese.ui.keyrows import KeyTable
+from fraese.ui.keyrows.macros import macro_rows
 from fraese.ui.macros import Macro
 from fraese.ui.shape import AxisShape, Shape
+from fraese.ui.widgets.macrowords import few_words
 from fraese.ui.widgets.options import Palette
 from tests.ui.helpers import Bench, bench, play
 
@@ -73,6 +75,8 @@ def test_where_there_is_no_room_for_them_the_position_stays_whole() -> None:
         async with bench(macros=macros, keys=table(macros, macros_0_key="f9")) as b:
             await b.settled()
             assert not b.view.query_one("#macros").display
+            # But it is seen that there are some, and what runs them.
+            assert "macros F9 Out  Quick  … Ctrl+P" in drawn(b)
             position = b.view.query_one("#body").region
             assert position.height >= 9, "three axes of three rows"
             await b.press("f9")
@@ -199,3 +203,10 @@ def test_names_and_lines_with_brackets_are_shown_as_they_are() -> None:
                 assert "Run G91 G0 X[1+[2]] (see [/b])." in drawn(b)
 
     play(scene)
+
+
+def test_of_many_macros_as_many_as_fit_are_named() -> None:
+    rows = macro_rows([Macro(f"Number {n}") for n in range(9)])
+    text = few_words(rows, "Ctrl+P", room=30)
+    assert text == "Number 0  Number 1  … Ctrl+P"
+    assert few_words(rows, "Ctrl+P", room=8) == "… Ctrl+P"

@@ -101,7 +101,7 @@ class Silent:
 def test_a_press_counts_what_it_counted_when_it_was_made() -> None:
     """Also if it is done late, with others behind it already."""
     rule, held = RepeatRule(), HeldKeys()
-    fingers = Fingers(rule, held, lambda *_: Silent(), *(lambda: None,) * 3)
+    fingers = Fingers(rule, held, lambda *_: Silent(), *(lambda: None,) * 3)  # type: ignore[arg-type]
     keys = [Key("right", None) for _ in range(25)] + [Key("left", None)]
     for key in keys:
         fingers.press(key)

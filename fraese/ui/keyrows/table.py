@@ -13,7 +13,7 @@ from fraese.ui.keyrows.bench import BENCH
 from fraese.ui.keyrows.calibrate import CALIBRATE, CALIBRATE_DIALOGS
 from fraese.ui.keyrows.changes import Changes, changing, check_each_means_one_thing
 from fraese.ui.keyrows.dialogs import AFTER_AXES, BEFORE_AXES
-from fraese.ui.keyrows.everywhere import QUIT_AT_ONCE, STOP
+from fraese.ui.keyrows.everywhere import PALETTE, QUIT_AT_ONCE, STOP
 from fraese.ui.keyrows.machine import (
     AFTERWARDS,
     GOING,
@@ -124,6 +124,11 @@ class KeyTable:
         self.listed = tuple(map(_in_words, self.listed))
         self.views = {name: _in_words(row) for name, row in self.views.items()}
         self._step_word = shape.step_word
+
+    @property
+    def palette(self) -> str:
+        """The key of the palette."""
+        return PALETTE.said
 
     @property
     def changeable(self) -> tuple[Row, ...]:

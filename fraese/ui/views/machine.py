@@ -29,6 +29,7 @@ from fraese.ui.widgets.commands import CommandList
 from fraese.ui.widgets.fact import Fact, Flowing
 from fraese.ui.widgets.jogpad import JogButton, JogPad
 from fraese.ui.widgets.links import Link
+from fraese.ui.widgets.macrowords import few_words
 from fraese.ui.widgets.position import PositionPanel
 from fraese.ui.widgets.programpane import ProgramPane
 from fraese.ui.widgets.status import JobLine, WidthBar
@@ -67,6 +68,9 @@ class MachineView(RunsPrograms, ByHand):
         width_keys = [row for row in keys.commands if row.action.startswith("set_width")]
         rate_key = next(row for row in keys.commands if row.action == "jog_rate")
         self._widths = WidthBar(self._choice, width_keys, rate_key)
+        self._macros = [row for row in keys.commands if row.action.startswith("macro(")]
+        # Where their line has no room they stand, in few words, in place of the title.
+        self.set_class(bool(self._macros), "-macros")
         self._pane = ProgramPane(desk.programs, self.state, keys.said("open"))
         self._job = JobLine(keys.said("acknowledge"))
 
@@ -76,7 +80,7 @@ class MachineView(RunsPrograms, ByHand):
             yield self._panel
             yield self._pane
         yield self._widths
-        macros = [row for row in self.desk.keys.commands if row.action.startswith("macro(")]
+        macros = self._macros
         if macros:
             with Horizontal(id="macros"):
                 yield Fact(spoken("macros"), classes="heading")
@@ -87,6 +91,9 @@ class MachineView(RunsPrograms, ByHand):
             yield CommandList([row for row in self.desk.keys.listed if not is_jog(row)])
         with Horizontal(id="job-line"):
             yield self._job
+            if macros:
+                said = few_words(macros, self.desk.keys.palette)
+                yield Link("app.command_palette", spoken("macros"), said, id="macros-few")
             names = ("fraese", shown(self.desk.machine_name))
             yield Fact(" · ".join(filter(None, names)), id="title")
             yield self._program

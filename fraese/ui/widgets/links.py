@@ -12,6 +12,7 @@ class Link(Static):
         action: of the screen.
         key: shown in front.
         title: shown behind.
+        id: of the widget.
     """
 
     class Clicked(Message):
@@ -21,8 +22,15 @@ class Link(Static):
             super().__init__()
             self.action = action
 
-    def __init__(self, action: str, key: str, title: str) -> None:
-        super().__init__(classes="link")
+    def __init__(
+        self,
+        action: str,
+        key: str,
+        title: str,
+        *,
+        id: str | None = None,  # noqa: A002
+    ) -> None:
+        super().__init__(id=id, classes="link")
         self._key = key
         self._title = title
         self._action = action
