@@ -38,15 +38,14 @@ def contours(
     level = min(max(threshold / 100 * _WHITE, 0.5), _WHITE - 0.5)
     generator = contourpy.contour_generator(z=padded, line_type=contourpy.LineType.Separate)
     tolerance = max(tolerance_mm, _STAIRS * max(pitch_mm))
-    found = []
-    for line in _lines(generator.lines(level)):
-        # Dot 1 of the padded picture has its middle half a dot from the edge.
-        at = (line - 0.5) * pitch_mm + sheet.low
-        at = np.clip(at, sheet.low, np.add(sheet.low, sheet.size))
-        points = simplified(at, tolerance)
-        if len(points) > 3:
-            found.append(straight(points, close=True))
-    return found
+    # Dot 1 of the padded picture has its middle half a dot from the edge.
+    high = np.add(sheet.low, sheet.size)
+    lines = [
+        np.clip((line - 0.5) * pitch_mm + sheet.low, sheet.low, high)
+        for line in _lines(generator.lines(level))
+    ]
+    made = simplified(lines, tolerance)
+    return [straight(points, close=True) for points in made if len(points) > 3]
 
 
 def _lines(lines: object) -> Sequence[NDArray[np.float64]]:

@@ -1,7 +1,7 @@
 """Curves made into straight lines, and lines into fewer."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
@@ -55,39 +55,46 @@ def _count(wanted: float) -> int:
     return min(_MOST, max(1, math.ceil(wanted))) if math.isfinite(wanted) else _MOST
 
 
-def simplified(points: Points, tolerance: float) -> Points:
+def simplified(lines: Sequence[Points], tolerance: float) -> list[Points]:
     """Fewer points: those left out are nowhere further from the lines than this.
 
-    Ramer, Douglas and Peucker; a ring is halved at the point that is furthest from its first.
+    Ramer, Douglas and Peucker, for all lines at once: in each turn every part that is off by too
+    much is divided where it is off most.
 
     Args:
-        points: (n, 2).
+        lines: (n, 2) each, n at least 2.
         tolerance: in their unit.
     """
-    if len(points) < 3:
-        return points
+    if not lines:
+        return []
+    points = np.concatenate(lines)
+    ends = np.cumsum([len(line) for line in lines])
     keep = np.zeros(len(points), np.bool_)
-    keep[0] = keep[-1] = True
-    waiting = [(0, len(points) - 1)]
-    while waiting:
-        first, last = waiting.pop()
-        if last - first < 2:
-            continue
-        away = _away(points[first + 1 : last], points[first], points[last])
-        number = int(away.argmax())
-        if away[number] > tolerance:
-            middle = first + 1 + number
-            keep[middle] = True
-            waiting += [(first, middle), (middle, last)]
-    return points[keep]
+    keep[ends - 1] = keep[ends[:-1]] = keep[0] = True
+    open_ = np.flatnonzero(~keep)
+    while len(open_):
+        kept = np.flatnonzero(keep)
+        part = (np.cumsum(keep) - 1)[open_]
+        away = _away(points[open_], points[kept[part]], points[kept[part + 1]])
+        first = np.flatnonzero(np.diff(part, prepend=-1))
+        most = np.repeat(np.maximum.reduceat(away, first), np.diff(first, append=len(part)))
+        off = most > tolerance
+        tops = np.flatnonzero(off & (away == most))
+        # Of several that are off as much, the first of each part.
+        tops = tops[np.flatnonzero(np.diff(part[tops], prepend=-1))]
+        keep[open_[tops]] = True
+        off[tops] = False
+        open_ = open_[off]
+    return [
+        points[b - len(line) : b][keep[b - len(line) : b]]
+        for line, b in zip(lines, ends.tolist(), strict=True)
+    ]
 
 
 def _away(points: Points, begin: Points, end: Points) -> Points:
-    """How far points are from a line between two others."""
+    """How far each point is from the line between two others."""
     way, there = end - begin, points - begin
-    square = float(way @ way)
-    if not square:
-        return np.hypot(there[:, 0], there[:, 1])
-    share = np.clip(there @ way / square, 0.0, 1.0)
+    square = (way * way).sum(axis=1)
+    share = np.clip((there * way).sum(axis=1) / np.where(square > 0, square, 1.0), 0.0, 1.0)
     rest = there - share[:, None] * way
-    return np.hypot(rest[:, 0], rest[:, 1])
+    return np.asarray(np.hypot(rest[:, 0], rest[:, 1]))

@@ -1,6 +1,7 @@
 """In which order paths are cut: what lies inside first, and then what is nearest.
 
-Rule 1: a closed path is cut when all is cut that lies in it: what it cuts out may move then.
+Rule 1: a closed path is cut when all is cut that lies in it: what it cuts out may move then. Not
+        among more than ``MOST_NESTED``.
 Rule 2: among those that may be cut the nearest comes next. An open one may begin at either end, a
         closed one at several of its points.
 """
@@ -13,6 +14,8 @@ import numpy as np
 
 from fraese.engrave.shapes import Path, Points
 
+#: More than this are outlines of specks: which lies in which takes long to find, and is of no use.
+MOST_NESTED: Final = 5000
 #: Points of a closed path at which it may begin.
 _BEGINNINGS: Final = 8
 #: Chords of arcs are off by this share of their path's size where it is asked what is inside.
@@ -35,7 +38,7 @@ def ordered(paths: Sequence[Path], tell: Callable[[int], None] = lambda done: No
         paths: closed, open, and dots.
         tell: is told how many have their place.
     """
-    outside = nesting(paths)
+    outside = nesting(paths) if len(paths) <= MOST_NESTED else [[] for _ in paths]
     inside = np.bincount(
         np.array([n for holders in outside for n in holders], int), minlength=len(paths)
     )

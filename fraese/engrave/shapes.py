@@ -63,6 +63,8 @@ class Path:
     def lengths(self) -> Points:
         """(n - 1) lengths of the pieces, mm."""
         way = np.diff(self.points, axis=0)
+        if not self.turns.any():
+            return np.hypot(way[:, 0], way[:, 1])
         return np.where(
             self.turns == 0, np.hypot(way[:, 0], way[:, 1]), self.radii * abs(self.sweeps)
         )

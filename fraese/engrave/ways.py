@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from fraese.engrave.chains import cleaned
 from fraese.engrave.drawing import Drawing, Picture
 from fraese.engrave.job import BITMAP, DOTS, OUTLINE, SWEEP, Job
-from fraese.engrave.order import ordered
+from fraese.engrave.order import MOST_NESTED, ordered
 from fraese.engrave.placing import Sheet, placed_drawing, placed_picture
 from fraese.engrave.shapes import Path
 from fraese.engrave.strokes import Row, Run, Strokes
@@ -60,15 +60,28 @@ def planned(source: Source, job: Job, name: str, tell: Tell = lambda what: None)
 
 
 def _outline(source: Source, job: Job, name: str, tell: Tell) -> Plan:
+    tell(phrase("finding outlines"))
     paths, sheet, notes = _paths(source, job, name)
     tell(phrase("looking for a short way"))
-    each = ordered(list(cleaned(paths, _LEAST_MM)))
+    clean = list(cleaned(paths, _LEAST_MM))
+    if len(clean) > MOST_NESTED:
+        notes.append(
+            phrase(
+                "{name}: these are {count} outlines; among more than {most} what lies inside is not"
+                " cut first.",
+                name=name,
+                count=len(clean),
+                most=MOST_NESTED,
+            )
+        )
+    each = ordered(clean)
     return Plan(Strokes(_any(each, name), len(each)), sheet, notes)
 
 
 def _sweep(source: Source, job: Job, name: str, tell: Tell) -> Plan:
     from fraese.engrave.hatching import hatched
 
+    tell(phrase("finding outlines"))
     paths, sheet, notes = _paths(source, job, name)
     rings = [path for path in paths if path.is_closed]
     if len(rings) < len(paths):

@@ -139,7 +139,7 @@ def off(path: Path, x: float, y: float) -> float:
     best = math.inf
     for (x0, y0), (x1, y1) in zip(path.points[:-1].tolist(), path.points[1:].tolist(), strict=True):
         dx, dy = x1 - x0, y1 - y0
-        share = min(1, max(0, ((x - x0) * dx + (y - y0) * dy) / (dx * dx + dy * dy)))
+        share = min(1, max(0, ((x - x0) * dx + (y - y0) * dy) / (dx * dx + dy * dy or 1)))
         best = min(best, math.hypot(x0 + share * dx - x, y0 + share * dy - y))
     return best
 

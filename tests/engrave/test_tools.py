@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fraese.engrave.curves import simplified
 from fraese.engrave.job import Job, Tabs
 from fraese.engrave.moves import RAPID, Figures, Move
 from fraese.engrave.order import nesting, ordered
@@ -17,6 +18,7 @@ from fraese.engrave.strokes import Row, Run
 from fraese.engrave.tools import Cutter, Laser
 from tests.engrave.bench import SQUARE_SVG, Bench, Way
 from tests.engrave.drawings import png, square_png
+from tests.engrave.test_svg import off
 
 JOB = Job()
 _NEAR = st.integers(-30_000, 30_000).map(lambda n: n / 1000)
@@ -83,6 +85,25 @@ def test_every_point_is_within_the_bounds(shapes: list[Shape]) -> None:
         assert (flat >= low - 1e-9).all()
         assert (flat <= high + 1e-9).all()
         assert flat.shape[1] == 2
+
+
+@given(lines=st.lists(_POINTS, min_size=1, max_size=5), tolerance=st.floats(0.01, 20))
+def test_points_that_are_left_out_are_no_further_off_than_allowed(
+    lines: list[list[tuple[float, float]]], tolerance: float
+) -> None:
+    whole = [np.array([*line, line[0]]) for line in lines]
+    made = simplified(whole, tolerance)
+    assert len(made) == len(whole)
+    for line, few in zip(whole, made, strict=True):
+        assert few[0].tolist() == line[0].tolist()
+        assert few[-1].tolist() == line[-1].tolist()
+        for x, y in line.tolist():
+            assert off(straight(few), x, y) <= tolerance + 1e-9
+
+
+def test_a_line_of_many_points_becomes_two() -> None:
+    bow = np.column_stack((np.linspace(0, 100, 1001), np.zeros(1001)))
+    assert simplified([bow], 0.01)[0].tolist() == [[0, 0], [100, 0]]
 
 
 @given(shape=st.one_of(_RINGS, _CIRCLES), number=st.integers(1, 5), width=st.floats(0.5, 3))
