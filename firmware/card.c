@@ -2,6 +2,7 @@
 #include "card.h"
 
 #include "beat.h"
+#include "power.h"
 
 #define STROBE_NOPS() __builtin_avr_delay_cycles(6)
 
@@ -185,6 +186,7 @@ void card_rest(void)
 {
     card_signals(false, false);
     card_set_outputs(card.facts.safe, 0);
+    power_rest();
 }
 
 void card_forget_safe_outputs(void)

@@ -10,6 +10,7 @@
 #include "inputs.h"
 #include "link.h"
 #include "player.h"
+#include "power.h"
 #include "reader.h"
 #include "run.h"
 #include "throttle.h"
@@ -34,6 +35,7 @@ static uint8_t do_card(const uint8_t *payload, uint8_t length)
     (void)length;
     if (!card_load(payload))
         return REFUSED_PAYLOAD;
+    power_forget();
     inputs_begin();
     run_take_card();
     reader_drop();
@@ -113,6 +115,13 @@ static uint8_t do_ping(const uint8_t *payload, uint8_t length)
     return 0;
 }
 
+static uint8_t do_power(const uint8_t *payload, uint8_t length)
+{
+    (void)length;
+    power_take(payload[0]);
+    return 0;
+}
+
 static uint8_t do_close(const uint8_t *payload, uint8_t length)
 {
     (void)payload, (void)length;
@@ -141,6 +150,7 @@ static const struct command commands[] PROGMEM = {
     [KIND_PHASES] = {MOTORS_MAX, NEEDS_CARD | NEEDS_REST, do_phases},
     [KIND_PING] = {ANY_LENGTH, 0, do_ping},
     [KIND_CLOSE] = {0, NEEDS_CARD, do_close},
+    [KIND_POWER] = {1, NEEDS_CARD | NEEDS_REST, do_power},
 };
 
 static uint8_t refusal_of(const struct command *command, const uint8_t *payload, uint8_t length)

@@ -17,6 +17,7 @@
 #include "inputs.h"
 #include "line.h"
 #include "player.h"
+#include "power.h"
 #include "reader.h"
 #include "run.h"
 #include "throttle.h"
@@ -82,6 +83,7 @@ int main(void)
         reader_service();
         mind_line();
         run_service();
+        power_service();
         mind_line();
         reports_service();
     }

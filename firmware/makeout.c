@@ -4,6 +4,7 @@
 #include "beat.h"
 #include "line.h"
 #include "player.h"
+#include "power.h"
 
 #define MOST_BEATS 8
 
@@ -58,7 +59,8 @@ void divide(struct block *block, uint16_t cycles)
 void make_out_outputs(struct block *block)
 {
     uint8_t mask = block->outputs >> 4, value = block->outputs & 0x0F;
-    block->outputs_due = false;
+    power_enter(block);
+    block->outputs_due = 0;
     card.outputs = (uint8_t)((card.outputs & ~mask) | (value & mask));
     uint8_t control = card_control_with(mask, value);
     if (control == card.control)

@@ -37,11 +37,17 @@
 #define KIND_PHASES 0x0C
 #define KIND_PING 0x0D
 #define KIND_CLOSE 0x0E
+#define KIND_POWER 0x0F
 
 /* Device to host. */
 #define KIND_HELLO_REPLY 0x41
 #define KIND_ACK 0x42
 #define KIND_STATUS 0x43
+
+/* HELLO reply: `capabilities`. */
+#define ABLE_PHASES 0x01
+#define ABLE_CLOCKS 0x02
+#define ABLE_POWER 0x04
 
 /* Why a command was refused. */
 #define REFUSED_NO_HELLO 1
@@ -95,6 +101,8 @@
 #define RARE_ACCEL 0x04
 #define RARE_JUMP 0x08
 #define RARE_TOP 0x10
+#define RARE_SHARE 0x20
+#define RARE_ENERGY 0x40
 /* Records: the head of a piece. */
 #define PIECE_TICKS 0x03
 #define PIECE_INTERVAL_SHIFT 2
@@ -114,5 +122,8 @@
 #define TABLE_MIN 2
 #define TABLE_MAX 32
 #define MOTORS_MAX 4
+#define POWER_FULL 255
+#define POWER_RATE 0x07
+#define POWER_HIGH 0x80
 
 #endif

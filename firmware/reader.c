@@ -11,6 +11,7 @@
 #include "line.h"
 #include "makeout.h"
 #include "player.h"
+#include "power.h"
 #include "run.h"
 #include "throttle.h"
 
@@ -38,6 +39,8 @@ static struct {
     uint32_t exit_cycles;
     uint32_t accel_q, jump_q8, jump_cycles, jump_before;
     uint16_t override_q8;
+    uint8_t share;
+    energy_t energy;
     uint8_t data;
     bool is_ramp; /* the last piece was one, as the drives are told */
     uint16_t serial;
@@ -216,7 +219,7 @@ static void refuse(void)
     run_refuse_block();
 }
 
-static uint32_t take_short(void)
+APART static uint32_t take_short(void)
 {
     uint8_t mantissa = take_u8();
     return (uint32_t)mantissa << (take_u8() & 31);
@@ -255,7 +258,7 @@ APART static void set_mover(struct mover *mover, uint8_t motor, bool forward)
 }
 
 /* Steps of every motor; the longest way. */
-APART static ticks_t take_steps(struct block *block, uint8_t shape, ticks_t *steps)
+SELDOM static ticks_t take_steps(struct block *block, uint8_t shape, ticks_t *steps)
 {
     uint8_t width = widths[(shape >> SHAPE_WIDTH_SHIFT) & 3];
     uint8_t moving = shape & SHAPE_MOTORS, forward = 0, leader = 0, leading = 0;
@@ -285,7 +288,7 @@ APART static ticks_t take_steps(struct block *block, uint8_t shape, ticks_t *ste
 /* Eighths of these many ticks take 16 bits. */
 #define NARROW_TICKS (0x10000UL >> 3)
 
-APART static void set_minors(struct block *block, const ticks_t *steps)
+SELDOM static void set_minors(struct block *block, const ticks_t *steps)
 {
     ticks_t ticks = block->ticks, limit = ticks << 3;
     struct minor *minor = block->minor;
@@ -332,6 +335,15 @@ SELDOM static void take_watch(struct block *block)
     block->watch_action = take_u8();
 }
 
+/* A power holds until another one comes. */
+SELDOM static void take_power(struct block *block, uint8_t rare)
+{
+    reading.energy = rare & RARE_ENERGY ? (energy_t)take_short() : 0;
+    reading.share = rare & RARE_SHARE ? take_u8() : 0;
+    if (is_phase_card())
+        block->outputs_due |= DUE_POWER;
+}
+
 static void block_is_ready(void)
 {
     reading.is_ready = true;
@@ -342,7 +354,7 @@ static void block_is_ready(void)
     player_offer();
 }
 
-APART static void read_head(void)
+SELDOM static void read_head(void)
 {
     struct block *block = &blocks[reading.slot];
     ticks_t steps[MOTORS_MAX];
@@ -368,8 +380,11 @@ APART static void read_head(void)
     if (rare & RARE_WATCH)
         take_watch(block);
     block->outputs_due = rare & RARE_OUTPUTS;
-    if (block->outputs_due)
-        block->outputs = take_u8();
+    block->outputs = block->outputs_due ? take_u8() : 0;
+    if (rare & (RARE_SHARE | RARE_ENERGY))
+        take_power(block, rare);
+    block->share = reading.share;
+    block->energy = reading.energy;
     block->flags = 0;
     block->beats = 0;
     block->is_plain = true;
@@ -425,10 +440,11 @@ static void finish_block(struct block *block)
     if (block->override_q8 > throttle.override_q8)
         throttle_prepare(block);
     make_out_ahead(block);
+    power_prepare(block);
     block_is_ready();
 }
 
-APART static void read_piece(void)
+SELDOM static void read_piece(void)
 {
     struct block *block = &blocks[reading.slot];
     uint8_t shape = take_u8();

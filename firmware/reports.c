@@ -14,7 +14,7 @@
 #include "throttle.h"
 
 #define FIRMWARE_MAJOR 1
-#define FIRMWARE_MINOR 2
+#define FIRMWARE_MINOR 3
 
 static uint8_t reset_reason;
 static uint16_t boots;
@@ -170,7 +170,7 @@ static void send_hello(void)
     u8(MOTORS_MAX);
     u8(TABLE_MAX);
     u8(WINDOW);
-    u8(0x03);
+    u8(ABLE_PHASES | ABLE_CLOCKS | ABLE_POWER);
     u8(reset_reason);
     u16(boots);
     u8(run_is_moving());

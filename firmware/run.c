@@ -7,6 +7,7 @@
 #include "inputs.h"
 #include "link.h"
 #include "player.h"
+#include "power.h"
 #include "reader.h"
 #include "throttle.h"
 
@@ -31,7 +32,8 @@ void run_make_outputs(void)
 
 void run_make_block_outputs(struct block *block)
 {
-    block->outputs_due = false;
+    power_enter(block);
+    block->outputs_due = 0;
     card_want_outputs(block->outputs >> 4, block->outputs & 0x0F, false);
 }
 

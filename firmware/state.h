@@ -22,6 +22,7 @@
 #include "protocol.h"
 
 typedef __uint24 ticks_t; /* also eighths of ticks: 2^21 - 1 ticks in a block at most */
+typedef __uint24 energy_t; /* of a tick with light: its share of full power times its cycles / 256 */
 
 #define RATE_CYCLES 4096000000UL /* rate_q8 times interval in cycles */
 #define SLICE_CYCLES 16000
@@ -85,7 +86,7 @@ struct block {
     uint8_t lag_cycles;   /* by which the last beat is longer */
     uint16_t shortest;    /* interval from which on a tick is divided; 0xFFFF: never */
     uint16_t serial;
-    bool outputs_due; /* still to be made */
+    uint8_t outputs_due; /* DUE_...: still to be made with the first beat */
     uint32_t entry_cycles; /* first interval of the plan; 0: no piece */
     bool is_ramp; /* the piece in hand, as the drives are told */
     uint8_t moving; /* motors, a bit each; 0: a dwell */
@@ -108,7 +109,13 @@ struct block {
     uint32_t top_cycles;   /* shortest interval of the plan */
     uint32_t slower_q16, faster_q16; /* entry / exit, exit / entry */
     uint32_t ceiling_q8;
+    uint8_t share;   /* of a lamp's power; with an energy, that of the first interval */
+    energy_t energy; /* 0: the share is constant */
 };
+
+/* struct block: outputs_due */
+#define DUE_OUTPUTS RARE_OUTPUTS
+#define DUE_POWER 0x80
 
 /* struct block: flags */
 #define BLOCK_RATIOS 0x01  /* slower_q16 and faster_q16 are ready */

@@ -124,6 +124,23 @@ class Outputs(NamedTuple):
     value: int
 
 
+class Power(NamedTuple):
+    """Power of a lamp (a laser) while a block plays.
+
+    Attributes:
+        share: of its full power, 0 to ``FULL_POWER``.
+        at_cycles: interval at which it has that share: played slower, it has less in proportion;
+            0: the share is constant.
+    """
+
+    share: int = 0
+    at_cycles: int = 0
+
+
+FULL_POWER: Final = 255
+DARK: Final = Power()
+
+
 class Block(NamedTuple):
     """A straight line in step space with its time law.
 
@@ -141,6 +158,7 @@ class Block(NamedTuple):
         override_q8: override that it was planned with, 256 for 100 %; 0: none acts on it.
         tag: whatever the maker wants to see in reports while the block plays (a line number).
         is_rapid: the override is that of rapids; of no interest to whoever plays it.
+        power: of a lamp, where its player can set one.
     """
 
     steps: tuple[int, ...]
@@ -154,6 +172,7 @@ class Block(NamedTuple):
     tag: int = 0
     override_q8: int = 0
     is_rapid: bool = False
+    power: Power = DARK
 
     def ticks(self) -> int:
         """Number of ticks, over all pieces."""

@@ -3,6 +3,7 @@
  *   PORTA (pins 22 to 29)   D0 .. D7
  *   PORTC (pins 37 to 30)   bit 0: pin 1, bit 1: pin 14, bit 2: pin 16, bit 3: pin 17
  *   PORTF (A0 to A4)        pins 11, 10, 12, 13, 15
+ *   PB4   (pin 10)          pulses of a laser's power
  *
  * The rules are those of the Uno; here a data byte is one port, and all control lines another.
  */
@@ -11,6 +12,7 @@
 
 #include <avr/io.h>
 #ifndef __ASSEMBLER__
+#include <stdbool.h>
 #include <stdint.h>
 #endif
 
@@ -39,6 +41,16 @@ static inline void board_directions(void)
     DDRA = 0xFF;
     DDRC = 0x0F;
     PORTF = STATUS_PINS; /* pull-ups */
+}
+
+/* OC2A is PB4, pin 10 of the board: a pin of its own. */
+static inline void board_power(bool is_high)
+{
+    if (is_high)
+        PORTB &= (uint8_t)~_BV(PB4);
+    else
+        PORTB |= _BV(PB4);
+    DDRB |= _BV(PB4);
 }
 #endif
 

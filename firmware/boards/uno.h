@@ -19,11 +19,12 @@
 
 #include <avr/io.h>
 #ifndef __ASSEMBLER__
+#include <stdbool.h>
 #include <stdint.h>
 #endif
 
 #define BOARD_NAME "uno"
-#define BOARD_RING 872
+#define BOARD_RING 840
 
 /* Data byte to port bytes. PD0 is RX with pull-up, PD1 is TX. */
 #define PORT_LOW PORTD
@@ -50,6 +51,12 @@ static inline void board_directions(void)
     DDRB |= 0x1F;
     DDRC = 0x20;
     DDRD = 0xFE;
+}
+
+/* OC2A is PB3, pin 14 of the plug: an output already, and its latch is off with the card at rest. */
+static inline void board_power(bool is_high)
+{
+    (void)is_high;
 }
 #endif
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from fraese.config import Config
-from fraese.config.wiring import CardConfig
+from fraese.config.wiring import CardConfig, LaserConfig, OutputConfig
 from fraese.errors import ConfigError
 from fraese.motor.cards.control import OutputPin
 from fraese.motor.cards.smc1500 import SmcCard
@@ -71,7 +71,14 @@ def checked_table(card: CardConfig) -> bytes:
 
 def _pins(config: Config) -> list[OutputPin]:
     """Configured outputs in the order of their bits."""
-    return [OutputPin(output.pin, output.active_high) for _, output in config.outputs.configured()]
+    return [
+        OutputPin(output.pin, output.active_high, _pulses_hz(output))
+        for _, output in config.outputs.configured()
+    ]
+
+
+def _pulses_hz(output: OutputConfig) -> float:
+    return output.pwm_hz if isinstance(output, LaserConfig) and output.pwm else 0.0
 
 
 def _smc_card(config: Config) -> Card:

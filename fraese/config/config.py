@@ -12,6 +12,8 @@ from fraese.config.person import KeyNames, MacroConfig
 from fraese.config.section import Section
 from fraese.config.simulation import SimulationConfig
 from fraese.config.wiring import (
+    PULSED_PIN,
+    PULSED_PORTS,
     SOCKETS,
     CardConfig,
     OutputsConfig,
@@ -247,6 +249,27 @@ class Config(Section):
                     )
                 )
             taken.add(output.pin)
+        self._check_laser()
+
+    def _check_laser(self) -> None:
+        laser = self.outputs.laser
+        if laser is None or not laser.pwm:
+            return
+        if self.port.kind not in PULSED_PORTS:
+            raise ValueError(
+                phrase(
+                    "outputs.laser.pwm needs port.kind bridge; with {kind} a laser is on or off",
+                    kind=self.port.kind,
+                )
+            )
+        if laser.pin != PULSED_PIN:
+            raise ValueError(
+                phrase(
+                    "outputs.laser.pwm needs outputs.laser.pin {wanted}, not {pin}",
+                    wanted=PULSED_PIN,
+                    pin=laser.pin,
+                )
+            )
 
     def _check_simulation(self) -> None:
         """What is said of a simulated axis is said of one that there is, in its unit."""

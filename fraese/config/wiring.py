@@ -15,6 +15,11 @@ StatusPin = Literal[10, 11, 12, 13, 15]
 #: Motors that a card drives at most.
 SOCKETS: Final[Mapping[str, int]] = {"smc1500": 3, "stepdir": 4}
 
+#: Ports that set a laser's power by pulses; on a simulated mill it is seen as on or off.
+PULSED_PORTS: Final = frozenset({"bridge", "simulation"})
+#: The only pin behind which a board has a timer for it.
+PULSED_PIN: Final = 14
+
 _DEVICE = re.compile(r"(/[^\x00-\x1f\x7f]{1,200}|COM[0-9]{1,3})?")
 
 
@@ -27,12 +32,33 @@ class OutputConfig(Section):
     active_high: bool = Field(True, description="Whether a high pin means on.")
 
 
+class LaserConfig(OutputConfig):
+    """A laser on a free output, and whether S sets its power."""
+
+    pwm: bool = Field(
+        False,
+        description=(
+            "S sets the power by pulses (on a bridge, pin 14), with M4 in proportion to the speed;"
+            " else the laser is on or off."
+        ),
+    )
+    power_max_s: float = Field(1000, gt=0, le=1e6, description="The S word of full power.")
+    pwm_hz: float = Field(
+        1000,
+        ge=61,
+        le=62_500,
+        description=(
+            "Pulses a second; the nearest of 61, 122, 244, 488, 977, 1953, 7812 and 62500 is taken."
+        ),
+    )
+
+
 class OutputsConfig(Section):
     """What hangs on the free outputs; what is not named is switched by hand."""
 
     spindle: OutputConfig | None = Field(None, description="Spindle relay.")
     coolant: OutputConfig | None = Field(None, description="Coolant or extraction relay.")
-    laser: OutputConfig | None = Field(
+    laser: LaserConfig | None = Field(
         None,
         description=(
             "Laser: follows M3, M4, M5 and S0 without a stop, dark along rapids and whenever the"

@@ -13,6 +13,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final, NamedTuple
 
+from fraese.machine import Axis
+
 #: A value for every axis of the machine.
 Point = tuple[float, ...]
 #: Numbers of the first and the second axis of a plane: angles count from first to second.
@@ -26,6 +28,18 @@ _SAME_RAD: Final = 1e-6
 
 #: However small the circle: six chords a turn at least.
 _WIDEST_RAD: Final = math.pi / 3
+
+
+def curve_mm_s(axes: Sequence[Axis], radius_mm: float) -> float:
+    """How fast an arc may be: what its axes can turn round by, or start with.
+
+    Args:
+        axes: of its plane.
+        radius_mm: of the arc.
+    """
+    inward_mm_s2 = min(axis.acceleration_hz_s / float(axis.steps_per_mm) for axis in axes)
+    rest_mm_s = min(axis.start_rate_hz / float(axis.steps_per_mm) for axis in axes)
+    return max(rest_mm_s, math.sqrt(inward_mm_s2 * radius_mm))
 
 
 class ArcShape(NamedTuple):

@@ -13,19 +13,18 @@ Rule 3: blocks so far always allow a stop within themselves; after ``drain`` the
 Rule 4: memory does not grow with the length of the program, nor with that of an arc.
 """
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Final
 
-from fraese.blocks import OVERRIDES, Q8, RAPID_OVERRIDES, Block, Outputs, Watch, dwell
+from fraese.blocks import DARK, OVERRIDES, Q8, RAPID_OVERRIDES, Block, Outputs, Power, Watch, dwell
 from fraese.feedway import GROUPS
 from fraese.machine import Machine, Steps
-from fraese.planner.arcs import Point, arc_shape, planes_of
+from fraese.planner.arcs import Point, arc_shape, curve_mm_s, planes_of
 from fraese.planner.lookahead import Window
 from fraese.planner.merging import Chain
 from fraese.planner.options import Options, PathMode
 from fraese.planner.segments import UNLIMITED, limits_of
-from fraese.planner.targets import Targets
+from fraese.planner.targets import NO_BEAM, Beam, Targets
 from fraese.planner.timing import BlockMaker
 
 __all__ = ["Options", "PathMode", "Planner"]
@@ -67,6 +66,7 @@ class Planner:
         self._override = self._rapid = 1.0
         self._keeps_feed = False
         self.tell: Callable[[int, Point], object] | None = None
+        self._beam = NO_BEAM
         self._begin_at(start_steps, slack_steps or (0,) * len(machine.axes))
 
     def _begin_at(self, position_steps: Steps, slack_steps: Steps) -> None:
@@ -86,7 +86,7 @@ class Planner:
         )
         self._targets.exact_stop = self._exact_stop
         self._targets.override, self._targets.rapid = self._override, self._rapid
-        self._targets.keeps_feed = self._keeps_feed
+        self._targets.keeps_feed, self._targets.beam = self._keeps_feed, self._beam
         self._chain = Chain()
         self._target_mm = self._machine.to_mm(position_steps)
 
@@ -188,9 +188,9 @@ class Planner:
         if self.tell is not None:
             self.tell(tag, to_mm)
         self._targets.streaming = True
-        curve_mm_s = self._curve_mm_s(plane, shape.radius_mm)
+        limit_mm_s = self._curve_mm_s(plane, shape.radius_mm)
         return self._walk(
-            shape.corners(self._options.chord_tolerance_mm), feed_mm_s, curve_mm_s, tag
+            shape.corners(self._options.chord_tolerance_mm), feed_mm_s, limit_mm_s, tag
         )
 
     def along(
@@ -221,15 +221,11 @@ class Planner:
         if self.tell is not None:
             self.tell(tag, to_mm)
         self._targets.streaming = True
-        curve_mm_s = self._curve_mm_s(plane, radius_mm) if radius_mm else UNLIMITED
-        return self._walk(points_mm, feed_mm_s, curve_mm_s, tag)
+        limit_mm_s = self._curve_mm_s(plane, radius_mm) if radius_mm else UNLIMITED
+        return self._walk(points_mm, feed_mm_s, limit_mm_s, tag)
 
     def _curve_mm_s(self, plane: int, radius_mm: float) -> float:
-        """How fast an arc may be: what the axes can turn round by, or start with."""
-        axes = [self._machine.axes[axis] for axis in self._planes[plane]]
-        inward_mm_s2 = min(axis.acceleration_hz_s / float(axis.steps_per_mm) for axis in axes)
-        rest_mm_s = min(axis.start_rate_hz / float(axis.steps_per_mm) for axis in axes)
-        return max(rest_mm_s, math.sqrt(inward_mm_s2 * radius_mm))
+        return curve_mm_s([self._machine.axes[axis] for axis in self._planes[plane]], radius_mm)
 
     def _walk(
         self, corners: Iterable[Point], feed_mm_s: float, curve_mm_s: float, tag: int
@@ -270,10 +266,10 @@ class Planner:
         Raises:
             ValueError: if the duration is negative.
         """
-        blocks = [
-            *self.drain(),
-            dwell(len(self._machine.axes), duration_s, tag)._replace(outputs=self._targets.outputs),
-        ]
+        # A beam that goes with the speed has none here.
+        power = DARK if self._beam.per_feed else Power(self._beam.share)
+        pause = dwell(len(self._machine.axes), duration_s, tag)
+        blocks = [*self.drain(), pause._replace(outputs=self._targets.outputs, power=power)]
         self._targets.outputs = None
         if duration_s >= max(2 / axis.start_rate_hz for axis in self._machine.axes):
             self._window.stand()
@@ -287,6 +283,19 @@ class Planner:
             value = was & ~mask | value & mask
             mask |= before
         self._targets.outputs = Outputs(mask, value & mask)
+        return blocks
+
+    def beam(self, share: int, *, follows: bool) -> Sequence[Block]:
+        """Power of a lamp along the feeds from here on, without stopping for it.
+
+        Args:
+            share: of its full power, 0 to ``FULL_POWER``.
+            follows: that is at the programmed feed; played slower or faster, in proportion.
+        """
+        blocks = self.end_line()
+        # An unreferenced machine is slower than its program says.
+        per_feed = 1 / self._options.rate_factor if follows else 0.0
+        self._beam = self._targets.beam = Beam(share, per_feed)
         return blocks
 
     def path_control(self, mode: str, tolerance_mm: float = 0.0) -> Sequence[Block]:

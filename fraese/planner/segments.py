@@ -42,6 +42,21 @@ _sqrt = math.sqrt
 _new = tuple.__new__
 
 
+class Light(NamedTuple):
+    """Power of a lamp along a segment.
+
+    Attributes:
+        share: of its full power, 0 to ``FULL_POWER``.
+        at_mm_s: speed at which it has that share, less in proportion below it; 0: it is constant.
+    """
+
+    share: int = 0
+    at_mm_s: float = 0.0
+
+
+NO_LIGHT: Final = Light()
+
+
 class Segment(NamedTuple):
     """One straight line.
 
@@ -59,6 +74,7 @@ class Segment(NamedTuple):
         outputs: change at the first tick.
         watch: condition while it plays.
         tag: for reports.
+        light: of a lamp, see ``Light``.
     """
 
     steps: Steps
@@ -74,6 +90,7 @@ class Segment(NamedTuple):
     outputs: Outputs | None
     watch: Watch | None
     tag: int
+    light: Light = NO_LIGHT
 
 
 def start_rate_hz(axis: Axis) -> float:
@@ -118,6 +135,7 @@ class Limits:
         outputs: Outputs | None,
         tag: int,
         watch: Watch | None = None,
+        light: Light = NO_LIGHT,
     ) -> Segment:
         """Look at a move of at least one step.
 
@@ -129,6 +147,7 @@ class Limits:
             outputs: change at its first tick.
             tag: for reports.
             watch: condition while it plays.
+            light: of a lamp.
         """
         counts = [abs(n) for n in steps]
         ticks = max(counts)
@@ -154,6 +173,7 @@ class Limits:
             outputs=outputs,
             watch=watch,
             tag=tag,
+            light=light,
         )
 
     def corner_mm2_s2(self, before: Segment, after: Segment) -> float:
@@ -209,6 +229,7 @@ class ThreeLinear(Limits):
         outputs: Outputs | None,
         tag: int,
         watch: Watch | None = None,
+        light: Light = NO_LIGHT,
     ) -> Segment:
         """See ``Limits.segment``."""
         x, y, z = steps
@@ -247,7 +268,7 @@ class ThreeLinear(Limits):
             Segment,
             (
                 steps, ticks, length_mm, shares, course, top_mm_s, feed_mm_s, start_mm_s, rest_mm_s,
-                twice_mm_s2, outputs, watch, tag,
+                twice_mm_s2, outputs, watch, tag, light,
             ),
         )  # fmt: skip
         return segment

@@ -13,7 +13,7 @@ Rule 3: a long move is cut in step space, each cut the step nearest to the line.
 import math
 from collections.abc import Iterator
 from operator import sub
-from typing import Final
+from typing import Final, NamedTuple
 
 from fraese.blocks import Block, Outputs, Watch
 from fraese.machine import Machine, Steps
@@ -21,10 +21,25 @@ from fraese.planner.arcs import Point
 from fraese.planner.backlash import followed, take_up
 from fraese.planner.lookahead import Window
 from fraese.planner.rounding import point_rounder
-from fraese.planner.segments import KEPT, UNLIMITED, Limits, Segment
+from fraese.planner.segments import KEPT, NO_LIGHT, UNLIMITED, Light, Limits, Segment
 
 #: Parts that differ by less are as many.
 _SAME: Final = 1e-9
+
+
+class Beam(NamedTuple):
+    """A lamp as a program has it.
+
+    Attributes:
+        share: of its full power.
+        per_feed: it has that share at so many times the feed, and less below it; 0: always.
+    """
+
+    share: int = 0
+    per_feed: float = 0.0
+
+
+NO_BEAM: Final = Beam()
 
 
 class Targets:
@@ -42,6 +57,7 @@ class Targets:
         reached_steps: axis steps at the end of the last segment.
         slack_steps: slack of the axes there.
         outputs: change that waits for a segment.
+        beam: of a lamp, along what is planned now.
         exact_stop: the next corner is passed no faster than the start/stop rates.
         override: factor of feeds; only to know what is a long move.
         rapid: factor of rapids, likewise.
@@ -69,6 +85,7 @@ class Targets:
         self.reached_steps = position_steps
         self.slack_steps = slack_steps
         self.outputs: Outputs | None = None
+        self.beam = NO_BEAM
         self.exact_stop = False
         self.override = self.rapid = 1.0
         self.keeps_feed = False
@@ -98,6 +115,9 @@ class Targets:
         at = self.reached_steps
         if there == at:
             return None
+        beam, light = self.beam, NO_LIGHT
+        if beam.share and feed_mm_s != UNLIMITED:
+            light = Light(beam.share, feed_mm_s * beam.per_feed)
         if self.keeps_feed and feed_mm_s != UNLIMITED:
             feed_mm_s, top_mm_s = KEPT, min(feed_mm_s, top_mm_s)
         if self._are_three:
@@ -115,7 +135,9 @@ class Targets:
         if self._has_backlash:
             self._take_up(steps, tag, watch)
         outputs = self.outputs
-        segment = self._limits.segment(steps, way_mm, feed_mm_s, top_mm_s, outputs, tag, watch)
+        segment = self._limits.segment(
+            steps, way_mm, feed_mm_s, top_mm_s, outputs, tag, watch, light
+        )
         if outputs is not None:
             self.outputs = None
         if watch is None and segment.length_mm > self._longest_mm(segment):
@@ -145,8 +167,9 @@ class Targets:
             done = there
             part_mm = tuple([mm * (at - before) / ticks for mm in way_mm])
             segment = self._limits.segment(
-                steps, part_mm, whole.feed_mm_s, whole.top_mm_s, outputs, whole.tag
-            )
+                steps, part_mm, whole.feed_mm_s, whole.top_mm_s, outputs, whole.tag,
+                light=whole.light,
+            )  # fmt: skip
             window.append(segment, exact_stop)
             exact_stop, outputs = False, None
             if window.due:

@@ -8,7 +8,7 @@ import math
 from operator import mul
 from typing import Final
 
-from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece, few_bits
+from fraese.blocks import CYCLES_PER_S, DARK, Q8, Block, Piece, Power, few_bits
 from fraese.machine import Machine
 from fraese.planner.ramps import interval_q8, time_law
 from fraese.planner.segments import KEPT, UNLIMITED, Segment
@@ -78,12 +78,17 @@ class BlockMaker:
             override_q8 = self.rapid_q8
         else:
             override_q8 = 0 if segment.feed_mm_s == KEPT else self.override_q8
+        light, power = segment.light, DARK
+        if light.share:
+            at_mm_s = light.at_mm_s
+            at_cycles = round(CYCLES_PER_S / (at_mm_s * per_mm)) if at_mm_s else 0
+            power = Power(light.share, at_cycles)
         # Keywords cost twice as much: every value has the name of its field, see the tests.
         block: Block = _new(
             Block,
             (
                 steps, pieces, accel_q, jump_rate_q8, weight, ends_at_rest, watch, outputs, tag,
-                override_q8, is_rapid,
+                override_q8, is_rapid, power,
             ),
         )  # fmt: skip
         return block

@@ -18,6 +18,7 @@ from fraese.motor.seams import Report
 from fraese.phrases import phrase
 from fraese.planner.planner import Planner
 from fraese.program.context import ProgramContext
+from fraese.program.laser import Laser
 from fraese.program.numbers import Numbers
 from fraese.program.sentences import (
     by_hand,
@@ -35,8 +36,6 @@ Moves = Generator[canon.Move, canon.Facts | None, None]
 _LOOKED_BLOCK_S: Final = 1.0
 #: And so much of it is planned in one pass: nothing waits for the first of it.
 _LOOKED_BATCH_S: Final = 0.5
-#: Along these a beam burns.
-_CUTTING: Final = frozenset({canon.Feed, canon.Arc})
 
 
 class Translation:
@@ -67,9 +66,7 @@ class Translation:
         self._has_turned = False
         # A relay as it was switched last; None: not yet.
         self._spins: bool | None = None
-        # The beam as the program has it, and as the planner was told.
-        self._beam = self._shines = False
-        self._laser = context.config.outputs.mask("laser")
+        self._laser = Laser(context.config.outputs)
         self.numbers = Numbers()
         self.answers: dict[int, canon.Facts] = {}
         self.visited: Callable[[], Mapping[int, float]] = dict
@@ -89,7 +86,7 @@ class Translation:
             ProgramError: a line is refused, from the interpreter.
             ProbeError: a probe touches never, or already.
         """
-        line, rows, numbers, laser = self.planner.line, _ROWS, self.numbers, self._laser
+        line, rows, numbers, laser = self.planner.line, _ROWS, self.numbers, self._laser.mask
         feed, rapid = canon.Feed, canon.Rapid
         facts: canon.Facts | None = None
         self._follow_override()
@@ -104,7 +101,7 @@ class Translation:
             if move.line != self._line and kind in canon.MOTIONS:
                 yield from self._wait_for_line(move)
             if laser and kind in canon.MOTIONS:
-                yield from self._shine(self._beam and _cuts(move))
+                yield from each(self._laser.along(move, self.planner))
             if kind is not feed and kind is not rapid:
                 facts = yield from rows[kind](self, move)
                 if facts is not None:
@@ -213,9 +210,9 @@ class Translation:
         on, outputs = move.is_on, self._context.config.outputs
         if outputs.mask("laser", "spindle"):
             self._note_spindle(move, by_hand=False)
-        if self._laser:
-            self._beam = on
-            return (yield from self._shine(self._shines and on))
+        if self._laser.mask:
+            yield from each(self._laser.switch(move, self.planner))
+            return None
         if outputs.mask("spindle"):
             if on is not self._spins:
                 self._spins = on
@@ -233,13 +230,6 @@ class Translation:
         # Before it was confirmed nobody says that it turns.
         self._note_spindle(move, by_hand=True)
         return facts
-
-    def _shine(self, on: bool) -> Part:
-        """The beam, without a stop: it changes with the first tick of the next move."""
-        if on is not self._shines:
-            self._shines = on
-            yield from each(self.planner.outputs(self._laser, self._laser if on else 0))
-        return None
 
     def _is_to_be_confirmed(self, on: bool) -> bool:
         """Nobody but the operator knows whether a spindle that is switched by hand turns."""
@@ -317,13 +307,6 @@ class Translation:
     def _say(self, text: str) -> None:
         if self._controller is not None:
             self._controller.say(text)
-
-
-def _cuts(move: canon.Move) -> bool:
-    """Along it a beam burns."""
-    return type(move) in _CUTTING or (
-        isinstance(move, canon.Along) and move.feed_mm_min is not None
-    )
 
 
 _ROWS: Final[dict[type, Callable[[Translation, Any], Part]]] = {

@@ -148,6 +148,10 @@ class Device:
             self._carried = carried_after(block, self._carried)
         return bytes(out)
 
+    def begin_epoch(self) -> None:
+        """The queue was dropped: records say everything anew."""
+        self._carried = Carried()
+
     def push(
         self, blocks: Sequence[Block], dry: Sequence[Dry | None] | None = None, epoch: int = 0
     ) -> None:

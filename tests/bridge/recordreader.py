@@ -6,7 +6,7 @@ effective one.
 
 from typing import Final, NamedTuple
 
-from fraese.blocks import Block, Outputs, Piece, Watch
+from fraese.blocks import Block, Outputs, Piece, Power, Watch
 from fraese.motor.bridge.constants import (
     DRY_NONE,
     LAW_ACCEL,
@@ -16,8 +16,10 @@ from fraese.motor.bridge.constants import (
     PIECE_ADD_SHIFT,
     PIECE_INTERVAL_SHIFT,
     RARE_ACCEL,
+    RARE_ENERGY,
     RARE_JUMP,
     RARE_OUTPUTS,
+    RARE_SHARE,
     RARE_TOP,
     RARE_WATCH,
     SHAPE_RARE,
@@ -108,6 +110,7 @@ class RecordReader:
         if rare & RARE_OUTPUTS:
             packed = take.unsigned(1)
             outputs = Outputs(packed >> 4, packed & 15)
+        power = self._power(take, rare)
         pieces = _read_pieces(take, count, max(abs(n) for n in steps))
         moves = any(steps)
         block = Block(
@@ -119,8 +122,18 @@ class RecordReader:
             watch=watch,
             outputs=outputs,
             override_q8=override_q8,
+            power=power,
         )
         return block, top_cycles
+
+    def _power(self, take: "_Bytes", rare: int) -> Power:
+        """An energy comes back as a share of 1 at so many cycles."""
+        share, energy = self._carried.power or (0, 0)
+        if rare & RARE_SHARE:
+            share, energy = take.unsigned(1), 0
+        if rare & RARE_ENERGY:
+            share, energy = 0, take.limit(1, 0, 0)
+        return Power(1, energy << 8) if energy else Power(share)
 
 
 def _read_pieces(take: "_Bytes", count: int, longest: int) -> tuple[Piece, ...]:

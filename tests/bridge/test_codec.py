@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fraese.blocks import Block, Outputs, Piece, Watch, WatchAction
+from fraese.blocks import FULL_POWER, Block, Outputs, Piece, Power, Watch, WatchAction
 from fraese.motor.bridge import constants as c
 from fraese.motor.bridge.cards import CardFacts, card_commands, card_payload
 from fraese.motor.bridge.codec import (
@@ -25,6 +25,7 @@ from fraese.motor.bridge.records import (
     carried_after,
     effective_jump_q8,
     record,
+    sent_power,
 )
 from fraese.motor.cursor import Cursor
 from tests.bridge.model import STATUS_LENGTH
@@ -69,6 +70,7 @@ def blocks(draw: st.DrawFn) -> Block:
         watch=draw(st.none() | st.builds(Watch, bytes_, bytes_, st.sampled_from(WatchAction))),
         outputs=draw(st.none() | st.builds(Outputs, st.integers(0, 15), st.integers(0, 15))),
         override_q8=draw(st.sampled_from([0, 256, 512])),
+        power=draw(st.builds(Power, st.integers(0, FULL_POWER), st.integers(0, 1 << 16))),
     )
 
 
@@ -76,10 +78,29 @@ dry_points = st.none() | st.builds(Dry, st.integers(0, 254), st.integers(0, c.MO
 
 
 def as_played(block: Block) -> Block:
-    """What the device makes of it: the effective start/stop rate."""
+    """What the device makes of it: the effective start/stop rate, a power as it is sent."""
+    share, energy = sent_power(block.power)
+    power = Power(1, energy << 8) if energy else Power(share)
     if not any(block.steps):
-        return block
-    return block._replace(jump_rate_q8=effective_jump_q8(block))
+        return block._replace(power=power)
+    return block._replace(jump_rate_q8=effective_jump_q8(block), power=power)
+
+
+@given(share=st.integers(1, FULL_POWER), at_cycles=st.integers(1, 60_000))
+def test_an_energy_is_sent_to_a_share_at_full_power(share: int, at_cycles: int) -> None:
+    """Of a tick of 300 cycles and more: the shortest of a bridge."""
+    none, energy = sent_power(Power(share, at_cycles + 300))
+    assert none == 0
+    assert energy * 256 / (at_cycles + 300) == pytest.approx(share, abs=1.1)
+
+
+def test_nothing_is_said_of_power_to_a_device_without_a_lamp() -> None:
+    """Firmware before 1.3 would take it for something else."""
+    block = Block((5, 0, 0), (Piece(5, 1 << 20),), 240 << 4, 128 << 11)
+    lit = block._replace(power=Power(FULL_POWER))
+    unknown = Carried(-1, -1, -1, None)
+    assert record(lit, unknown, None) == record(block, unknown, None)
+    assert carried_after(lit, unknown).power is None
 
 
 @given(sent=st.lists(frames, max_size=5), cut=st.integers(1, 9))

@@ -155,6 +155,16 @@ def test_one_key_of_an_axis_leaves_the_others_at_their_defaults(tmp_path: Path) 
         ("[outputs.spindle]\nactive_high = true", "outputs.spindle.pin: must be given."),
         ("[outputs]\nspindle = { pin = 14 }\ncoolant = { pin = 14 }", "outputs.coolant.pin 14"),
         ('[card]\nkind = "stepdir"\n[outputs]\nspindle = { pin = 17 }', "17 is taken already"),
+        (
+            '[port]\nkind = "ppdev"\n[outputs]\nlaser = { pin = 14, pwm = true }',
+            "outputs.laser.pwm needs port.kind bridge; with ppdev a laser is on or off",
+        ),
+        (
+            '[port]\nkind = "bridge"\n[outputs]\nlaser = { pin = 16, pwm = true }',
+            "outputs.laser.pwm needs outputs.laser.pin 14, not 16",
+        ),
+        ("[outputs]\nlaser = { pin = 14, pwm_hz = 50 }", "outputs.laser.pwm_hz: "),
+        ("[outputs]\nlaser = { pin = 14, power_max_s = 0 }", "outputs.laser.power_max_s: "),
         ('[card]\nkind = "smc2000"', "card.kind: "),
         ('[port]\nkind = "usb"', "port.kind: must be 'simulation', 'ppdev', 'devport' or 'bridge'"),
         ('[port]\ndevice = "parport0"', "port.device: must be the full path of a device file"),
@@ -211,7 +221,9 @@ def test_true_is_taken_by_no_key_but_a_switch() -> None:
     del keys["run.confirm_spindle"]
     for key, kind in keys.items():
         *tables, last = key.split(".")
-        raw: dict[str, Any] = {last: True}
+        # What must be given is not what is looked for.
+        raw: dict[str, Any] = {"pin": 14} if tables == ["outputs", "laser"] else {}
+        raw[last] = True
         for table in reversed(tables):
             raw = {table: raw}
         said = ""

@@ -12,19 +12,25 @@ import pytest
 
 from fraese.assembly import Plant, assemble, drivers
 from fraese.assembly.simulation import simulated_mill
+from fraese.blocks import CYCLES_PER_S, Block
+from fraese.control.jobs import line_of
 from fraese.control.state import Status
 from fraese.motor.bridge import line as serial_line
 from fraese.motor.clock import VirtualClock
+from fraese.motor.core import MotorCore
 from fraese.motor.ports.recorder import Recorder
 from fraese.motor.realtime import child
 from fraese.motor.realtime import driver as realtime
 from fraese.motor.realtime.setup import Setup
 from fraese.motor.seams import CONTROL
+from fraese.planner.lines import mm_per_tick
 from tests.bridge.device import reason_to_skip
 from tests.bridge.firmwaremill import Chip, ChipLine
+from tests.bridge.lamp import share_of
 from tests.helpers import configured, merged, program, record, run_program
 
 LASER: dict[str, Any] = {"outputs": {"laser": {"pin": 14}}}
+PULSED: dict[str, Any] = {"outputs": {"laser": {"pin": 14, "pwm": True, "power_max_s": 200}}}
 #: Pin 14 is bit 1 of the control register, inverted on the plug.
 PIN_14 = 0b0010
 TEXT = "G21 G90\nM3 S1000\nG1 X4 F600\nG1 Y3\nM5\nG0 X0\nM2\n"
@@ -78,6 +84,19 @@ def _stepped_by_a_bridge(monkeypatch: pytest.MonkeyPatch) -> Bench:
     return Bench(
         assemble(configured(**merged(LASER, bridge))), lambda: _last_control(chip.twin.port)
     )
+
+
+def _pulsed_by_a_bridge(monkeypatch: pytest.MonkeyPatch) -> tuple[Plant, Callable[[], int]]:
+    """The real firmware with a laser whose power S sets, and its share now, 1/256."""
+    if reason := reason_to_skip():
+        pytest.skip(reason)
+    chip = Chip("smc")
+    chip.begin()
+    monkeypatch.setattr(serial_line, "SerialLine", lambda device, baud: ChipLine(chip))
+    _on_metal_in(chip, monkeypatch)
+    bridge = {"port": {"kind": "bridge", "device": "/dev/ttyACM0"}}
+    pulsed = merged(PULSED, {"run": {"unreferenced_percent": 100}})
+    return assemble(configured(**merged(pulsed, bridge))), lambda: share_of(chip.avr)
 
 
 def _on_metal_in(clock: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -218,3 +237,64 @@ def test_a_spindle_with_s0_is_off(tmp_path: Path) -> None:
     on, off = _burnt(bench, tmp_path, text)
     assert {round(x) // 10 for x, _, _ in on if 1 < x % 10 < 9} == {1, 2}
     assert {round(x) // 10 for x, _, _ in off if 1 < x % 10 < 9} == {0, 3}
+
+
+def test_s_sets_the_power_on_a_bridge(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """M3 and M4 as S says where the feed is reached; nothing along rapids and at the end."""
+    plant, share = _pulsed_by_a_bridge(monkeypatch)
+    controller = plant.controller
+    seen: list[tuple[float, int]] = []
+    controller.set_show_pos(lambda: seen.append((controller.state().position_mm[0], share())))
+    text = (
+        "G21 G90\nM3 S100\nG1 X8 F600\nS50\nG1 X16\nG0 X24\nM4 S400\nG1 X32\nS20\nG1 X40\nM5\n"
+        "G1 X48\nM2\n"
+    )
+    assert run_program(plant, program(tmp_path, text)) is Status.OK, controller.state().message
+    within = {
+        part: {share for x, share in seen if part * 8 + 2 < x < part * 8 + 6} for part in range(6)
+    }
+    assert within[0] == {129}
+    assert within[1] == {65}
+    assert within[2] == {0}
+    assert max(within[3]) > 250
+    assert max(within[4]) == pytest.approx(26, abs=1)
+    assert within[5] == {0}
+    assert share() == 0
+
+
+@pytest.mark.parametrize("word", ["M3", "M4"])
+def test_what_is_planned_has_the_energy_of_its_millimetres(
+    word: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """M4: whatever the ramps, every mm gets what it gets at F; M3: power times time."""
+    made = assemble(configured(**PULSED))
+    text = f"G21 G90\n{word} S100\nG1 X9 Y2 F700\nG3 X5 Y6 I-4 J0\nG1 X5.2\nG1 Y7 F90\nM5\nM2\n"
+    pushed: list[Block] = []
+    push = MotorCore.push
+
+    def noted(core: MotorCore, block: Block) -> bool:
+        pushed.append(block)
+        return push(core, block)
+
+    monkeypatch.setattr(MotorCore, "push", noted)
+    assert run_program(made, program(tmp_path, text)) is Status.OK
+    lit = [block for block in pushed if block.power.share]
+    assert len(lit) > 4
+    assert {block.power.share for block in lit} == {128}
+    for block in lit:
+        length_mm = mm_per_tick(block.weight) * block.ticks()
+        if word == "M3":
+            assert block.power.at_cycles == 0
+            continue
+        feed_mm_min = 90 if line_of(block.tag) == 6 else 700
+        per_tick_s = length_mm / block.ticks() / (feed_mm_min / 60)
+        assert block.power.at_cycles == pytest.approx(per_tick_s * CYCLES_PER_S, rel=0.01)
+
+
+def test_without_an_s_word_there_is_no_power(tmp_path: Path) -> None:
+    made = assemble(configured(outputs={"laser": {"pin": 14, "pwm": True}}))
+    recorder = record(made)
+    bench = Bench(made, lambda: _last_control(recorder))
+    on, _ = _burnt(bench, tmp_path, "G21 G90\nM3\nG1 X9 F600\nS1\nG1 X18\nM2\n")
+    assert min(x for x, _, _ in on) >= 9
+    assert max(x for x, _, _ in on) > 17

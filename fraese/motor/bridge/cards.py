@@ -5,14 +5,18 @@ Rule 1: facts only, of any card; the two kinds that there are differ in ``kind``
 
 import struct
 from dataclasses import dataclass
+from math import log
 from typing import Final
 
+from fraese.blocks import CYCLES_PER_S
 from fraese.motor.bridge.constants import (
     CARD_LENGTH,
     CARD_PHASES,
     KIND_CARD,
+    KIND_POWER,
     KIND_TABLE,
     MOTORS_MAX,
+    POWER_HIGH,
     TABLE_DRIVE,
     TABLE_HOLD,
     TABLE_MAX,
@@ -33,6 +37,31 @@ class Line:
 
     mask: int = 0
     on: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Lamp:
+    """Pulses that set the power of what hangs on an output (a laser).
+
+    Attributes:
+        rate: a key of ``PULSE_RATES_HZ``.
+        high: the pin is high while they are on.
+    """
+
+    rate: int
+    high: bool = True
+
+
+#: Pulses a second, by their number on the line: 16 MHz over 256 counts and a divisor.
+PULSE_RATES_HZ: Final = {
+    rate: CYCLES_PER_S / 256 / divisor
+    for rate, divisor in enumerate((1, 8, 32, 64, 128, 256, 1024), start=1)
+}
+
+
+def nearest_rate(pulses_hz: float) -> int:
+    """Number of the rate that is nearest, in proportion."""
+    return min(PULSE_RATES_HZ, key=lambda rate: abs(log(PULSE_RATES_HZ[rate] / pulses_hz)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +88,7 @@ class CardFacts:
         readings: that make or end a contact.
         silence_ms: longest silence of the host; 0: no limit.
         duty_q16: share of its interval for which a clock is away from rest, 1/65536.
+        lamp: pulses of a power; its output is none of ``outputs`` that has a line; None: none.
     """
 
     kind: int
@@ -85,6 +115,7 @@ class CardFacts:
     readings: int = 3
     silence_ms: int = 0
     duty_q16: int = HALF_Q16
+    lamp: Lamp | None = None
 
 
 def card_payload(facts: CardFacts) -> bytes:
@@ -116,4 +147,8 @@ def card_commands(facts: CardFacts) -> list[tuple[int, bytes]]:
     """Kind and payload of the commands that upload a card, in order."""
     tables = ((TABLE_DRIVE, facts.table), (TABLE_HOLD, facts.hold))
     commands = [(KIND_TABLE, bytes((which,)) + table) for which, table in tables if table]
-    return [*commands, (KIND_CARD, card_payload(facts))]
+    commands.append((KIND_CARD, card_payload(facts)))
+    if facts.lamp is not None:
+        how = facts.lamp.rate | (POWER_HIGH if facts.lamp.high else 0)
+        commands.append((KIND_POWER, bytes((how,))))
+    return commands

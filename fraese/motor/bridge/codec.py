@@ -14,6 +14,9 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 from fraese.motor.bridge.constants import (
+    ABLE_CLOCKS,
+    ABLE_PHASES,
+    ABLE_POWER,
     ACK_GAP,
     CRC_START,
     ESCAPE,
@@ -170,6 +173,7 @@ class Hello:
         boots: changes with every reset.
         moving: HELLO was refused, since motors are moving.
         board: its name.
+        powers: it can set the power of a lamp.
     """
 
     version: int
@@ -186,6 +190,7 @@ class Hello:
     boots: int
     moving: bool
     board: str
+    powers: bool = False
 
     _FORMAT = struct.Struct("<BHBBHBBBBBBHB")
 
@@ -202,7 +207,8 @@ class Hello:
         board = payload[cls._FORMAT.size :].decode("ascii", "replace")
         return cls(
             version, session, (major, minor), ring, longest, motors, table, window,
-            bool(able & 1), bool(able & 2), reason, boots, bool(moving), board,
+            bool(able & ABLE_PHASES), bool(able & ABLE_CLOCKS), reason, boots, bool(moving), board,
+            bool(able & ABLE_POWER),
         )  # fmt: skip
 
 

@@ -19,9 +19,10 @@ from fraese.motor.bridge.codec import Hello
 from fraese.motor.bridge.line import OpenLine
 from fraese.motor.bridge.session import Session, greeting
 from fraese.motor.bridge.stepwise import Steps
-from fraese.motor.seams import Clock, SwitchMode
+from fraese.motor.seams import Clock, IdleLevel, SwitchMode
 from fraese.phrases import phrase
 
+LEVELS: Final[Mapping[IdleLevel, bytes]] = {IdleLevel.OFF: b"\x00", IdleLevel.HOLD: b"\x01"}
 MODES: Final[Mapping[SwitchMode, bytes]] = {SwitchMode.STOP: b"\x00", SwitchMode.IGNORE: b"\x01"}
 
 
@@ -100,6 +101,7 @@ class Connection:
         able = hello.phase_cards if facts.kind == c.CARD_PHASES else hello.clock_cards
         if able and facts.motors <= hello.motors and len(facts.table) <= hello.table_max:
             self._require_sockets(hello)
+            self._require_lamp(hello)
             return
         raise PortError(
             phrase(
@@ -115,6 +117,19 @@ class Connection:
             ),
             alarms.BRIDGE_UNFIT,
         )
+
+    def _require_lamp(self, hello: Hello) -> None:
+        if self.facts.lamp is not None and not hello.powers:
+            raise PortError(
+                phrase(
+                    "The bridge on {name} has firmware {firmware}.{firmware_2}, which cannot set a"
+                    " laser's power: flash firmware 1.3, or write pwm = false in outputs.laser.",
+                    name=self.name,
+                    firmware=hello.firmware[0],
+                    firmware_2=hello.firmware[1],
+                ),
+                alarms.BRIDGE_UNFIT,
+            )
 
     def _require_sockets(self, hello: Hello) -> None:
         """Firmware before 1.1 knows a socket of clock and direction by its motor only."""

@@ -43,11 +43,17 @@ KIND_OVERRIDE: Final = 0x0B
 KIND_PHASES: Final = 0x0C
 KIND_PING: Final = 0x0D
 KIND_CLOSE: Final = 0x0E
+KIND_POWER: Final = 0x0F
 
 # Device to host.
 KIND_HELLO_REPLY: Final = 0x41
 KIND_ACK: Final = 0x42
 KIND_STATUS: Final = 0x43
+
+# HELLO reply: capabilities.
+ABLE_PHASES: Final = 0x01
+ABLE_CLOCKS: Final = 0x02
+ABLE_POWER: Final = 0x04
 
 # Why a command was refused.
 REFUSED_NO_HELLO: Final = 1
@@ -120,6 +126,8 @@ RARE_OUTPUTS: Final = 0x02
 RARE_ACCEL: Final = 0x04
 RARE_JUMP: Final = 0x08
 RARE_TOP: Final = 0x10
+RARE_SHARE: Final = 0x20
+RARE_ENERGY: Final = 0x40
 # Records: the head of a piece.
 PIECE_TICKS: Final = 0x03
 PIECE_INTERVAL_SHIFT: Final = 2
@@ -146,6 +154,11 @@ TABLE_MAX: Final = 32
 MOTORS_MAX: Final = 4
 TABLE_DRIVE: Final = 0
 TABLE_HOLD: Final = 1
+
+# Power of a lamp.
+POWER_FULL: Final = 255
+POWER_RATE: Final = 0x07
+POWER_HIGH: Final = 0x80
 
 MOST_TICKS: Final = (1 << 21) - 1
 MOST_PIECES: Final = 255

@@ -14,7 +14,7 @@ Rule 4: a line that is lost, or a device that was reset, is told of once, as a P
         Counts then go on from what was known last, and all motors are torn until something moves.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from typing import Final
@@ -26,7 +26,7 @@ from fraese.errors import PortError
 from fraese.motor.blockqueue import require_sound
 from fraese.motor.bridge import constants as c
 from fraese.motor.bridge.codec import Status
-from fraese.motor.bridge.connection import MODES, Connection
+from fraese.motor.bridge.connection import LEVELS, MODES, Connection
 from fraese.motor.bridge.fromcard import card_facts
 from fraese.motor.bridge.greeting import PATIENCE_S
 from fraese.motor.bridge.ledger import Ledger
@@ -47,7 +47,6 @@ _ANSWER_S: Final = 0.004
 _LOOK_S: Final = 0.02
 _MOST_OVERRIDE_Q8: Final = 0xFFFF
 _NS_PER_S: Final = 1_000_000_000
-_LEVELS: Final[Mapping[IdleLevel, bytes]] = {IdleLevel.OFF: b"\x00", IdleLevel.HOLD: b"\x01"}
 
 
 class BridgeDriver:
@@ -193,7 +192,7 @@ class BridgeDriver:
         """
         with self._guarded() as session:
             self._require_standstill(session, phrase("the motors can only be switched off"))
-            session.command(c.KIND_IDLE, _LEVELS[level])
+            session.command(c.KIND_IDLE, LEVELS[level])
 
     def set_outputs(self, mask: int, value: int) -> None:
         """Change free outputs now; those that must be safe at standstill, at the next start."""
@@ -384,7 +383,8 @@ class BridgeDriver:
         try:
             self._override_sent_q8 = override_q8
             self._open_ledger(session)
-            self._outbox = Outbox(session.link, session.hello.ring)
+            lamp = self._connection.facts.lamp
+            self._outbox = Outbox(session.link, session.hello.ring, has_lamp=lamp is not None)
             self._picture.begin((yield from session.asking()), session.link)
             session.listener = partial(self._hear, session)
             yield from session.asking()

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from fraese.motor.bridge.cards import CardFacts, Line
+from fraese.motor.bridge.cards import CardFacts, Lamp, Line, nearest_rate
 from fraese.motor.bridge.constants import CARD_CLOCKS, CARD_PHASES
 from fraese.motor.cards.control import OutputPin
 from fraese.motor.cards.smc1500 import SmcCard
@@ -25,7 +25,13 @@ def pin_line(pin: int, active_high: bool = True) -> Line:
 
 
 def _outputs(pins: Sequence[OutputPin]) -> tuple[Line, ...]:
-    return tuple(pin_line(*pin) for pin in pins)
+    """An output with pulses is switched by its power: as a line it is none."""
+    return tuple(Line() if pin.pulses_hz else pin_line(pin.pin, pin.active_high) for pin in pins)
+
+
+def _lamp(pins: Sequence[OutputPin]) -> Lamp | None:
+    pulsed = [pin for pin in pins if pin.pulses_hz]
+    return Lamp(nearest_rate(pulsed[0].pulses_hz), pulsed[0].active_high) if pulsed else None
 
 
 def _smc_facts(card: SmcCard) -> CardFacts:
@@ -39,6 +45,7 @@ def _smc_facts(card: SmcCard) -> CardFacts:
         outputs=_outputs(card.lines.outputs),
         motor_bits=tuple(motor_bits(socket) for socket in card.sockets),
         off=MOTZERO,
+        lamp=_lamp(card.lines.outputs),
         beat_cycles=card.beat_cycles,
     )
 
@@ -55,6 +62,7 @@ def _stepdir_facts(card: StepDirCard) -> CardFacts:
         boost=pin_line(BOOST_PIN),
         outputs=_outputs(card.lines.outputs),
         enable=card.enable_mask,
+        lamp=_lamp(card.lines.outputs),
         pulse_cycles=card.pulse_cycles,
         setup_cycles=card.setup_cycles,
         duty_q16=card.duty_q16,

@@ -13,9 +13,6 @@ from fraese.motor.bridge.link import Link
 from fraese.motor.bridge.records import Carried, Dry, body, carried_after, with_dry_point
 from fraese.motor.horizon import DryPoint, Horizon
 
-#: Limits that no block has: whatever comes next is said in full.
-_UNKNOWN: Final = Carried(-1, -1, -1)
-
 #: What is kept here when the device's ring is full, bytes.
 BACKLOG: Final = 1024
 #: What a block of a contour takes.
@@ -28,13 +25,16 @@ class Outbox:
     Args:
         link: to the device.
         ring: bytes that it stores.
+        has_lamp: it sets the power of a lamp.
     """
 
-    def __init__(self, link: Link, ring: int) -> None:
+    def __init__(self, link: Link, ring: int, *, has_lamp: bool = False) -> None:
         self._link = link
         self._ring = ring
         self._horizon = Horizon()
-        self._carried = _UNKNOWN
+        # Values that no block has: whatever comes next is said in full.
+        self._unknown = Carried(-1, -1, -1, (-1, -1) if has_lamp else None)
+        self._carried = self._unknown
 
     @property
     def room_blocks(self) -> int:
@@ -68,7 +68,7 @@ class Outbox:
 
     def restart(self) -> None:
         """The queue was dropped."""
-        self._carried = _UNKNOWN
+        self._carried = self._unknown
         self.forget_horizon()
 
     def forget_horizon(self) -> None:

@@ -13,7 +13,7 @@ import struct
 from math import isqrt
 from typing import Final, NamedTuple
 
-from fraese.blocks import Block, Piece, ramps
+from fraese.blocks import Block, Piece, Power, ramps
 from fraese.motor.bridge.constants import (
     DRY_NONE,
     LAW_ACCEL,
@@ -26,8 +26,10 @@ from fraese.motor.bridge.constants import (
     PIECE_INTERVAL_SHIFT,
     PIECE_RAMP,
     RARE_ACCEL,
+    RARE_ENERGY,
     RARE_JUMP,
     RARE_OUTPUTS,
+    RARE_SHARE,
     RARE_TOP,
     RARE_WATCH,
     SHAPE_RARE,
@@ -40,16 +42,25 @@ from fraese.motor.bridge.constants import (
 _FROM_REST: Final = 62_500
 #: What a number of four bytes holds.
 U32: Final = 0xFFFF_FFFF
+#: What the device holds of a tick's energy, to eight bits.
+_MOST_ENERGY: Final = 0xFF_0000
 #: Bytes of a step count, by its code.
 WIDTHS: Final = (1, 2, 4)
 
 
 class Carried(NamedTuple):
-    """Limits that go on from block to block; as they are at the beginning of an epoch."""
+    """What goes on from block to block, as it is at the beginning of an epoch.
+
+    Attributes:
+        accel_q, jump_q8, override_q8: limits.
+        power: of a lamp, as it was sent: share and energy; None: the device has no lamp, and
+            nothing is said of any.
+    """
 
     accel_q: int = 1
     jump_q8: int = 1
     override_q8: int = 0
+    power: tuple[int, int] | None = (0, 0)
 
 
 class Dry(NamedTuple):
@@ -66,9 +77,26 @@ def effective_jump_q8(block: Block) -> int:
 
 def carried_after(block: Block, carried: Carried) -> Carried:
     """What the next record can leave out after this block."""
+    power = None if carried.power is None else sent_power(block.power)
     if not any(block.steps):
-        return carried._replace(override_q8=block.override_q8)
-    return Carried(block.accel_q, effective_jump_q8(block), block.override_q8)
+        return carried._replace(override_q8=block.override_q8, power=power)
+    return Carried(block.accel_q, effective_jump_q8(block), block.override_q8, power)
+
+
+def sent_power(power: Power) -> tuple[int, int]:
+    """Share and energy, one of them 0, as they are sent.
+
+    The energy of a tick is its share times its cycles / 256, to eight significant bits: half of one
+    share more or less at full power.
+    """
+    if not power.share or not power.at_cycles:
+        return power.share, 0
+    energy = min(_MOST_ENERGY, power.share * power.at_cycles >> 8)
+    shift = max(0, energy.bit_length() - 8)
+    mantissa = energy + (1 << shift >> 1) >> shift
+    if mantissa > 0xFF:
+        mantissa, shift = mantissa >> 1, shift + 1
+    return 0, max(1, mantissa) << shift
 
 
 def record(block: Block, carried: Carried, dry: Dry | None) -> bytes:
@@ -137,6 +165,10 @@ def body(block: Block, carried: Carried) -> bytes:
     if block.outputs:
         rare |= RARE_OUTPUTS
         numbers += bytes(((block.outputs.mask & 15) << 4 | block.outputs.value & 15,))
+    if carried.power is not None and (power := sent_power(block.power)) != carried.power:
+        form, number = _power(*power)
+        rare |= form
+        numbers += number
     head = bytearray((shape | (SHAPE_RARE if rare else 0), law | min(len(pieces), LAW_PIECES)))
     if block.ends_at_rest:
         head[0] |= SHAPE_RESTS
@@ -174,6 +206,13 @@ def _limits(block: Block, carried: Carried) -> tuple[int, int, bytes]:
             rare |= long
             numbers += value.to_bytes(4, "little")
     return law, rare, numbers
+
+
+def _power(share: int, energy: int) -> tuple[int, bytes]:
+    if not energy:
+        return RARE_SHARE, bytes((share,))
+    shift = max(0, energy.bit_length() - 8)
+    return RARE_ENERGY, bytes((energy >> shift, shift))
 
 
 def _unexpected_top(pieces: list[Piece]) -> int:

@@ -17,10 +17,17 @@ READING: Final[Entries] = (Entry(STATUS, EVERY_MOTOR),)
 
 
 class OutputPin(NamedTuple):
-    """A free output: a DB25 pin of the control register, and which level means on."""
+    """A free output.
+
+    Attributes:
+        pin: DB25 pin of the control register.
+        active_high: its level means on.
+        pulses_hz: pulses that set its power, where the port can make them; 0: it is on or off.
+    """
 
     pin: int
     active_high: bool = True
+    pulses_hz: float = 0.0
 
 
 class ControlLines:
