@@ -178,7 +178,7 @@ MUTANTS: Final = (
         "bridge/outbox: limits are not said again after a drop",
         "blocks after a stop are braked with the limits of others",
         _B + "outbox.py",
-        '        """The queue was dropped."""\n        self._carried = _UNKNOWN\n',
+        '        """The queue was dropped."""\n        self._carried = self._unknown\n',
         '        """The queue was dropped."""\n',
         tests_of(
             "bridge/test_driver.py", "TestQueue::test_limits_are_known_after_a_queue_was_dropped"
