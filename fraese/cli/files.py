@@ -20,7 +20,7 @@ from fraese.machine import Machine, three_decimals
 from fraese.phrases import joined, phrase
 from fraese.program.check import Facts, check_program
 from fraese.program.context import ProgramContext
-from fraese.program.mapped import TakenMap, about_map, heights_of, take_map
+from fraese.program.mapped import TakenMap, heights_of, said_of, take_map
 from fraese.program.program import require_reference
 from fraese.program.source import ProgramSource
 from fraese.program.taken import take_program
@@ -53,8 +53,8 @@ def check(
         if on.as_json:
             say(json.dumps(_facts_as_dict(facts, plant.controller.machine) | _map_as_dict(taken)))
         else:
-            for line in about_map(taken, context) if taken else ():
-                note(line)
+            if taken is not None:
+                note(said_of(taken))
             _print_facts(file, facts, plant.controller.machine)
         return 0 if facts.ok else UsageError.exit_code
 

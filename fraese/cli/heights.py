@@ -106,8 +106,9 @@ def probe_map(
             )
             part = empty_map(controller, grid)
         one = MapProbing(controller, part, Feeling(clearance, depth, reach, feed), file.keep)
-        one.start()
+        one.require_ready()
         file.begin(part)
+        one.start()
         probing.append(one)
 
     try:

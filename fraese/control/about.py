@@ -15,6 +15,7 @@ class About(NamedTuple):
         detour: where to go while it is held; None: stay.
         note: says what must be known to go on with it; None: nobody can.
         plan: when it comes to which move; None: nobody knows.
+        height_map: name of the one to which its moves are bent; empty: none.
         guest: it may be done while another one waits for an answer.
     """
 
@@ -23,6 +24,7 @@ class About(NamedTuple):
     detour: Detour | None = None
     note: Note | None = None
     plan: Plan | None = None
+    height_map: str = ""
     guest: bool = False
 
 

@@ -189,7 +189,9 @@ class RunLoop:
         self.message, self.error = "", None
         self._idle_at_ns = None
         self.unfinished.begin(about.note)
-        progress = JobProgress(name, lines=about.lines, expected_s=about.expected_s)
+        progress = JobProgress(
+            name, lines=about.lines, expected_s=about.expected_s, height_map=about.height_map
+        )
         self._following.begin(progress, about.plan)
         self._late_before = self._queue.report.late_ticks
         self._dry_before = self._queue.report.dry_queues

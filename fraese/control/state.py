@@ -37,6 +37,7 @@ class JobProgress:
         move: number of the move now being made; 0: none yet, or outside a program.
         share: what is done of it by the plan, 0 to 1; None where there is none.
         left_s: how long the rest takes with the overrides as they are; likewise.
+        height_map: name of the one to which its moves are bent; empty: none.
     """
 
     name: str
@@ -49,6 +50,7 @@ class JobProgress:
     move: int = 0
     share: float | None = None
     left_s: float | None = None
+    height_map: str = ""
 
 
 @dataclass(frozen=True, slots=True)

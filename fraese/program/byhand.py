@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from fraese.control.controller import Controller
+from fraese.program.mapping import probe_map
 from fraese.program.probing import cycles_for, probe
 from fraese.program.typed import run_file, run_text
 
@@ -25,6 +26,10 @@ class ByHand:
     def probe(self, controller: Controller, name: str, values: Mapping[str, float]) -> None:
         """Start a probing cycle; see ``probing.probe``."""
         probe(controller, name, values)
+
+    def probe_map(self, controller: Controller, path: Path, values: Mapping[str, float]) -> None:
+        """Start to probe a height map from the work zero on; see ``mapping.probe_map``."""
+        probe_map(controller, path, values)
 
     def cycles(self, axes: Sequence[str]) -> tuple[str, ...]:
         """Names of the cycles for these axes."""

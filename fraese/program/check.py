@@ -317,13 +317,21 @@ def check_program(
         length_mm=survey.length_mm,
         lines=source.lines_read,
         blocks=blocks,
-        notes=tuple(survey.notes),
+        notes=(*_moved_map(context), *survey.notes),
         wants=survey.wants,
         cut_low_mm=survey.cut.low_mm,
         cut_high_mm=survey.cut.high_mm,
         outline=drawing.outline() if drawing is not None else None,
         timetable=timetable.timetable() if whole else None,
     )
+
+
+def _moved_map(context: ProgramContext) -> list[Complaint]:
+    """That a height map lies elsewhere than where it was probed."""
+    heights = context.heights
+    names = "".join(context.machine.names)
+    said = "" if heights is None else heights.moved(context.parameters, names)
+    return [Complaint(0, said)] if said else []
 
 
 def _drawing(context: ProgramContext) -> "OutlineMaker":

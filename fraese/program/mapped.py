@@ -30,6 +30,12 @@ class TakenMap:
         """For people."""
         return self.path.name
 
+    def in_short(self) -> str:
+        """Its name, and where Z0 belongs."""
+        return phrase(
+            "{name}, Z0 at {reference}", name=self.name, reference=self.heights.reference_in_words()
+        )
+
     def news(self) -> str:
         """What became of the file since, a sentence; empty: it holds what it did."""
         still = is_still(self.path, self.content)
@@ -44,16 +50,20 @@ class TakenMap:
 
 def about_map(taken: TakenMap, context: ProgramContext) -> list[str]:
     """What a person should know who runs a program with it, sentences."""
+    moved = taken.heights.moved(context.parameters, "".join(context.machine.names))
+    return [said_of(taken), moved] if moved else [said_of(taken)]
+
+
+def said_of(taken: TakenMap) -> str:
+    """What it is, and where Z0 belongs, a sentence."""
     heights = taken.heights
-    said = phrase(
+    return phrase(
         "Height map {name}: {in_words}; Z0 belongs on the work at {reference} of {system}.",
         name=taken.name,
         in_words=heights.in_words(),
         reference=heights.reference_in_words(),
         system=heights.system_name,
     )
-    moved = heights.moved(context.parameters, "".join(context.machine.names))
-    return [said, moved] if moved else [said]
 
 
 def heights_of(taken: TakenMap | None) -> HeightMap | None:

@@ -14,7 +14,9 @@ Rule 3: a point where nothing is touched ends the job: a hole in the work is no 
 
 import math
 from collections.abc import Callable, Generator, Iterator
+from collections.abc import Mapping as Mapping_
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Final
 
 from fraese import alarms
@@ -29,12 +31,15 @@ from fraese.machine import Millimetres
 from fraese.phrases import phrase
 from fraese.program.context import ProgramContext
 from fraese.program.cutjob import noting_cuts
+from fraese.program.mapfiles import MapFile
 from fraese.program.program import require_reference
 from fraese.program.translate import Moves, Translation
 from fraese.workframe import WorkFrame
 
 #: Digits behind the point of a height, mm: finer than any step.
 _DIGITS: Final = 4
+#: What a person is asked of a grid that begins at the work zero.
+_GRID_WORDS: Final = ("x", "y", "every")
 #: A row and a column.
 _Place = tuple[int, int]
 _Felt = Generator[canon.Move, canon.Facts | None, float]
@@ -179,8 +184,8 @@ class Mapping:
         self._context = ProgramContext.of(controller)
         self._doing = ""
 
-    def start(self) -> None:
-        """Give it to the controller; its ``run`` probes.
+    def require_ready(self) -> None:
+        """See that it can be started.
 
         Raises:
             UsageError: nothing is missing, or a value is out of bounds.
@@ -204,7 +209,11 @@ class Mapping:
         here_mm = self._z(context.start_mm)
         points = [self._point(flat, here_mm) for flat in (self.part.reference_mm, *corners)]
         controller.check_moves([context.machine.to_steps(point) for point in points])
-        translation = Translation(context, controller)
+
+    def start(self) -> None:
+        """Give it to the controller; its ``run`` probes. Raises as ``require_ready``."""
+        self.require_ready()
+        controller, translation = self._controller, Translation(self._context, self._controller)
         job = noting_cuts(controller, self._job(translation))
         controller.start(phrase("height map"), job, About(lines=self.part.missing + 1))
 
@@ -351,3 +360,44 @@ def _in_order(part: PartMap) -> Iterator[_Place]:
 
 def _words(flat: Flat) -> str:
     return f"X {flat[0]:.3f} Y {flat[1]:.3f}"
+
+
+def probe_map(controller: Controller, path: Path, values: Mapping_[str, float]) -> None:
+    """Start to probe a map from the work zero to X and Y, into a new file.
+
+    Args:
+        controller: the machine; its ``run`` probes.
+        path: of the file.
+        values: "x", "y" and "every", and what else is other than usual, without the unit.
+
+    Raises:
+        UsageError: if a value is not known, missing or out of bounds, or the file is not to be
+            written.
+        LimitError: if a point lies outside the travel.
+        StateError: if the machine is not ready.
+    """
+    usual = Feeling()
+    names = {name.split("_")[0]: name for name in usual.__slots__}
+    for name in values:
+        if name not in (*_GRID_WORDS, *names):
+            raise UsageError(
+                phrase(
+                    'Probing knows no "{name}"; it knows {names}.',
+                    name=name,
+                    names=", ".join(sorted([*_GRID_WORDS, *names])),
+                )
+            )
+    grid = Grid((0.0, 0.0), (values.get("x", 0.0), values.get("y", 0.0)), values.get("every", 10.0))
+    feeling = replace(usual, **{names[each]: values[each] for each in values if each in names})
+    file = MapFile(path)
+
+    def keep(part: PartMap) -> None:
+        file.keep(part)
+        if not part.missing:
+            said = part.whole().in_words()
+            controller.say(phrase("{path}: {in_words}.", path=path.name, in_words=said))
+
+    one = Mapping(controller, empty_map(controller, grid), feeling, keep)
+    one.require_ready()
+    file.begin(one.part)
+    one.start()

@@ -21,7 +21,7 @@ from fraese.program.frame import frame_of
 from fraese.program.interrupted import Interrupted, JobNote, KeptMap
 from fraese.program.kept import KeptPrograms
 from fraese.program.looker import Looker
-from fraese.program.mapped import TakenMap, heights_of
+from fraese.program.mapped import TakenMap, heights_of, take_map
 from fraese.program.offsethistory import OffsetHistory
 from fraese.program.runfromline import Beginning, Place
 from fraese.program.source import ProgramSource
@@ -72,6 +72,19 @@ class Program:
         self.stage: Stage | None = None
         self.told: Callable[[Stage], object] = lambda stage: None
         self.heights: TakenMap | None = None
+
+    @property
+    def map_words(self) -> str:
+        """The height map that it is bent to, for people; empty: none."""
+        return "" if self.heights is None else self.heights.in_short()
+
+    def bend_to(self, path: Path | None) -> None:
+        """Take another height map, or none; from any thread, while it is not looked through.
+
+        Raises:
+            ProgramError: it cannot be read; the one of before stays.
+        """
+        self.heights = None if path is None else take_map(path)
 
     @property
     def content_hash(self) -> str:
@@ -224,6 +237,7 @@ class Program:
                 lines=facts.lines if facts else lines,
                 expected_s=facts.duration_s if facts else 0.0,
                 plan=facts.timetable if facts else None,
+                height_map="" if self.heights is None else self.heights.name,
                 detour=Retract(controller.position, retract_mm) if retract_mm else None,
                 note=self._note(begun, translation),
             ),

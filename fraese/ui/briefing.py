@@ -47,7 +47,11 @@ class Problem:
 
 
 def lines(
-    facts: Facts, state: MachineState, shape: Shape, tried: Collection[str] = ()
+    facts: Facts,
+    state: MachineState,
+    shape: Shape,
+    tried: Collection[str] = (),
+    height_map: str = "",
 ) -> list[Line]:
     """The facts, one below the other.
 
@@ -56,6 +60,7 @@ def lines(
         state: of the machine.
         shape: which axes it has.
         tried: names of the end switches that were pressed by hand, and seen.
+        height_map: to which it is bent; empty: none.
     """
     return [
         *_bounds(facts, state, shape),
@@ -66,6 +71,7 @@ def lines(
         _referenced(state),
         _switches(state, shape, tried),
         Line(spoken("zero"), f"{state.work.system}{shown(state.work.more())}"),
+        *([Line(spoken("map"), shown(height_map))] if height_map else []),
     ]
 
 

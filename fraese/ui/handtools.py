@@ -1,6 +1,7 @@
 """What the app expects of who knows the language; handed in by the composition root."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Protocol
 
 from fraese.control.controller import Controller
@@ -23,6 +24,9 @@ class HandTools(Protocol):
     def probe(self, controller: Controller, name: str, values: Mapping[str, float]) -> None:
         """Start a probing cycle."""
 
+    def probe_map(self, controller: Controller, path: Path, values: Mapping[str, float]) -> None:
+        """Start to probe a height map into a new file."""
+
     def cycles(self, axes: Sequence[str]) -> tuple[str, ...]:
         """Names of the cycles for these axes."""
 
@@ -41,6 +45,10 @@ class NoTools:
     def probe(self, controller: Controller, name: str, values: Mapping[str, float]) -> None:
         """Refused."""
         raise StateError(spoken("This app was started without the language: it cannot probe."))
+
+    def probe_map(self, controller: Controller, path: Path, values: Mapping[str, float]) -> None:
+        """Refused."""
+        self.probe(controller, "", values)
 
     def cycles(self, axes: Sequence[str]) -> tuple[str, ...]:
         """None."""

@@ -125,6 +125,13 @@ class Program(Protocol):
     def stage(self) -> Stage | None:
         """How far one is that goes on; None: none does."""
 
+    @property
+    def map_words(self) -> str:
+        """The height map that it is bent to; empty: none."""
+
+    def bend_to(self, path: Path | None) -> None:
+        """Take another height map, or none; refuses one that cannot be read."""
+
     def parts(self, line: str) -> Sequence[tuple[str, str]]:
         """A line in parts: of which kind each is, and its text."""
 

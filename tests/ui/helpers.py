@@ -82,8 +82,13 @@ class FakeProgram:
     started: int = 0
     looked: int = 0
     stage: None = None
+    map_words: str = ""
     #: Called in the machine's thread just before it starts.
     at_the_gate: Callable[[], object] = lambda: None
+
+    def bend_to(self, path: Path | None) -> None:
+        self.map_words = "" if path is None else path.name
+        self.looked = 0
 
     def parts(self, line: str) -> list[tuple[str, str]]:
         return [("plain", line)]

@@ -28,7 +28,7 @@ from fraese.ui.dialogs.goto import GoToDialog
 from fraese.ui.dialogs.heldkey import HeldKeyPage
 from fraese.ui.dialogs.help import HelpPage
 from fraese.ui.dialogs.jograte import JogRateDialog
-from fraese.ui.dialogs.open import OpenDialog
+from fraese.ui.dialogs.open import MapDialog, OpenDialog
 from fraese.ui.dialogs.reference import ReferenceDialog
 from fraese.ui.dialogs.resume import ResumeDialog
 from fraese.ui.dialogs.setting import SettingDialog
@@ -80,9 +80,10 @@ DIALOGS: dict[Area, Opener] = {
     Area.SET: lambda b: SetDialog(b.app._keys, b.app.link, {}),
     Area.OFFSETS: lambda b: OffsetsDialog(b.app._keys, b.app.link, b.app.link.shape.names),
     Area.TOOLS: lambda b: ToolsDialog(b.app._keys, b.app.link, None, ""),
-    Area.PROBE: lambda b: ProbeDialog(b.app._keys, b.app.link, ByHand(), {}),
+    Area.PROBE: lambda b: ProbeDialog(b.app._keys, b.app.link, ByHand(), {}, Path("new.map")),
     Area.REFERENCE: lambda b: ReferenceDialog(b.app._keys, b.app.link.shape),
     Area.OPEN: lambda b: OpenDialog(b.app._keys, Path("/"), ""),
+    Area.MAP: lambda b: MapDialog(b.app._keys, Path("/"), ""),
     Area.RESUME: lambda b: ResumeDialog(b.app._keys, NoResumption()),
     Area.CRASH: lambda b: CrashDialog(b.app._keys, Left("It crashed.", "It crashed.", "near")),
     Area.ASK: lambda b: AskDialog(b.app._keys, b.drawn.question),

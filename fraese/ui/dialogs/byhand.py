@@ -1,6 +1,7 @@
 """Lines of Move: G-code and places, the present position, probing."""
 
 import re
+from pathlib import Path
 from typing import Final
 
 from textual.app import ComposeResult
@@ -8,7 +9,7 @@ from textual.app import ComposeResult
 from fraese.axiswords import axis_words, target, with_points
 from fraese.control.controller import Controller
 from fraese.errors import UsageError
-from fraese.phrases import comma_is_decimal, spoken
+from fraese.phrases import comma_is_decimal, shown, spoken
 from fraese.ui.dialogs.line import Command, LineDialog
 from fraese.ui.handtools import HandTools
 from fraese.ui.keyrows import Area, KeyTable
@@ -20,6 +21,9 @@ _HALF: Final = re.compile(r"([a-z])\s*/\s*2", re.IGNORECASE)
 #: Under these names it is remembered.
 _POSITION: Final = "set position"
 _CYCLE: Final = "probe"
+_MAP: Final = spoken("height map")
+#: Under this name it is remembered which height map was probed or chosen last.
+LAST_MAP: Final = "height map"
 _VALUE: Final = re.compile(r"([a-z]+)\s*=?\s*(\d+(?:[.,]\d+)?)\s*", re.IGNORECASE)
 
 
@@ -98,7 +102,15 @@ class SetDialog(LineDialog):
 
 
 class ProbeDialog(LineDialog):
-    """Which cycle, and what it has to be told."""
+    """Which cycle, and what it has to be told.
+
+    Args:
+        keys: the table.
+        link: to the machine.
+        tools: what knows the cycles.
+        inputs: what was typed before.
+        new_map: file of a height map, if that is probed.
+    """
 
     AREA = Area.PROBE
     HEADING = spoken("Probe, and set the work zero")
@@ -110,15 +122,24 @@ class ProbeDialog(LineDialog):
         ("corner", "diameter 3 reach 20 width 20"),
         ("centre of a hole", "diameter 3 reach 20"),
         ("centre of a boss", "diameter 3 width 20 depth 3 reach 20"),
+        (_MAP, "x 80 y 60 every 10 clearance 2 depth 2"),
     )
 
     def __init__(
-        self, keys: KeyTable, link: MachineLink, tools: HandTools, inputs: dict[str, str]
+        self,
+        keys: KeyTable,
+        link: MachineLink,
+        tools: HandTools,
+        inputs: dict[str, str],
+        new_map: Path,
     ) -> None:
         super().__init__(keys, link)
         self._tools = tools
         self._inputs = inputs
-        self._cycles = tools.cycles(link.shape.names)
+        self._new_map = new_map
+        names = link.shape.names
+        maps = (_MAP,) if {"x", "y", "z"} <= set(names) else ()
+        self._cycles = (*tools.cycles(names), *maps)
         last = inputs.get(_CYCLE, "")
         self._at = self._cycles.index(last) if last in self._cycles else 0
         self._cycle = Fact("", classes="one-line line-text")
@@ -140,9 +161,13 @@ class ProbeDialog(LineDialog):
 
     def _show(self) -> None:
         name = self._cycles[self._at]
+        into = spoken(" from the work zero, into {file}", file=self._new_map.name)
         self._cycle.show(
             spoken(
-                "{name}   ({at} of {count})", name=name, at=self._at + 1, count=len(self._cycles)
+                "{name}   ({at} of {count})",
+                name=f"{shown(name)}{into}" if name == _MAP else name,
+                at=self._at + 1,
+                count=len(self._cycles),
             )
         )
         proposed = next(told for word, told in self._TOLD if name.startswith(word))
@@ -152,6 +177,8 @@ class ProbeDialog(LineDialog):
         """It is offered again the next time."""
         name = self._cycles[self._at]
         self._inputs |= {_CYCLE: name, f"{_CYCLE} {name}": line}
+        if name == _MAP:
+            self._inputs[LAST_MAP] = str(self._new_map)
         super().taken(line)
 
     def command(self, line: str) -> Command:
@@ -167,4 +194,6 @@ class ProbeDialog(LineDialog):
             values[found[1].lower()] = float(found[2].replace(",", "."))
             at = found.end()
         name = self._cycles[self._at]
+        if name == _MAP:
+            return lambda controller: self._tools.probe_map(controller, self._new_map, values)
         return lambda controller: self._tools.probe(controller, name, values)

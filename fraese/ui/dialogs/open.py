@@ -72,6 +72,7 @@ class OpenDialog(Dialog[Path]):
     COVERS = True
     HEADING = spoken("Open a program")
     YES = spoken("Open")
+    EXAMPLE = spoken("path of a program file")
 
     def __init__(
         self, keys: KeyTable, folder: Path, path: str, recent: Sequence[Path] = ()
@@ -83,13 +84,15 @@ class OpenDialog(Dialog[Path]):
 
     def inner(self) -> ComposeResult:
         """Input, what was opened last, and tree."""
-        yield PathInput(
-            self._path, placeholder=spoken("path of a program file"), id="file", max_length=_LONGEST
-        )
+        yield PathInput(self._path, placeholder=self.EXAMPLE, id="file", max_length=_LONGEST)
         if self._recent:
             options = (Option(Text(_in_short(path), no_wrap=True)) for path in self._recent)
             yield Options(*options, id="recent", compact=True)
         yield FileTree(self._folder, id="tree")
+
+    def nothing_typed(self) -> None:
+        """Enter, and no name."""
+        self.complain(spoken("Type the path of a program file, or choose one below."))
 
     @on(OptionList.OptionSelected, "#recent")
     def _again(self, event: OptionList.OptionSelected) -> None:
@@ -103,9 +106,22 @@ class OpenDialog(Dialog[Path]):
         """What was typed."""
         text = self.query_one("#file", Input).value.strip()
         if not text:
-            self.complain(spoken("Type the path of a program file, or choose one below."))
+            self.nothing_typed()
             return
         path = Path(text)
         with suppress(RuntimeError):  # nobody of that name has a home
             path = path.expanduser()
         self.dismiss(path)
+
+
+class MapDialog(OpenDialog):
+    """A height map for the program that is open; no path is none, which is ``Path()``."""
+
+    AREA = Area.MAP
+    HEADING = spoken("Height map for this program")
+    YES = spoken("Take it")
+    EXAMPLE = spoken("path of a height map; empty: none")
+
+    def nothing_typed(self) -> None:
+        """None."""
+        self.dismiss(Path())

@@ -77,7 +77,7 @@ class StartDialog(Dialog[Decision]):
         assert facts is not None
         self.HEADING = spoken("Start {name}", name=program.name)
         self._count = len(program.lines)
-        self._lines: list[Line] = lines(facts, state, shape, tried)
+        self._lines: list[Line] = lines(facts, state, shape, tried, program.map_words)
         self._problems: list[Problem] = problems(facts, state, news)
         self._may_start = may_start(self._problems)
         self._moves = facts.low_mm is not None

@@ -103,6 +103,11 @@ AFTERWARDS: Final = (
         " earlier; what it will do is shown first.", "Program",
     ),
     Row(
+        Area.RUNNING, "H", "H", "height_map", "Height map …",
+        "Choose the height map to which the program that is open is bent, or none; probe one with"
+        " the last of the probing cycles.", "Program",
+    ),
+    Row(
         Area.MACHINE, "k", "k", "after_crash", "After a crash …",
         "What is known of the position; take it as it was left, or reference again.", "Position",
     ),

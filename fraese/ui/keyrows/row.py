@@ -30,6 +30,7 @@ class Area(Enum):
     PROBE = "probe"
     REFERENCE = "reference"
     OPEN = "open a program"
+    MAP = "height map"
     RESUME = "go on with a program"
     CRASH = "after a crash"
     ASK = "the job asks"

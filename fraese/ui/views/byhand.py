@@ -10,6 +10,7 @@ from fraese.ui.dialogs.jograte import JogRateDialog
 from fraese.ui.dialogs.macro import MacroDialog
 from fraese.ui.dialogs.tables import OffsetsDialog, ToolsDialog
 from fraese.ui.macros import Macro
+from fraese.ui.newmap import new_map
 from fraese.ui.views.afterfaults import AfterFaults
 from fraese.ui.views.view import BUSY
 from fraese.ui.widths import rate_words
@@ -103,6 +104,8 @@ class ByHand(AfterFaults):
         if desk.link.moving:
             self.refuse(BUSY)
         elif desk.tools.cycles(desk.link.shape.names):
-            self.app.push_screen(ProbeDialog(desk.keys, desk.link, desk.tools, desk.inputs))
+            programs = desk.programs
+            path = new_map(programs.path if programs.program else None, programs.folder)
+            self.app.push_screen(ProbeDialog(desk.keys, desk.link, desk.tools, desk.inputs, path))
         else:
             self.refuse(spoken("There is no probing cycle for this machine."))

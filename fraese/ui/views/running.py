@@ -17,7 +17,8 @@ from typing import Any
 from fraese.control.controller import Controller
 from fraese.errors import FraeseError, StateError
 from fraese.phrases import spoken
-from fraese.ui.dialogs.open import OpenDialog
+from fraese.ui.dialogs.byhand import LAST_MAP
+from fraese.ui.dialogs.open import MapDialog, OpenDialog
 from fraese.ui.dialogs.start import Decision, StartDialog, WayDialog, What
 from fraese.ui.keyrows.everywhere import STOP
 from fraese.ui.programs import Facts, Look, Program, in_words
@@ -99,6 +100,10 @@ class RunsPrograms(GoesOn):
             self.seen.refuse(BUSY)
             return
         self.put(path, program)
+        self._see_through(program, look)
+
+    def _see_through(self, program: Program, look: Look) -> None:
+        """Look it through as the machine stands, if that is not known."""
 
         def ask(controller: Controller) -> None:
             question = program.question(controller)
@@ -119,6 +124,33 @@ class RunsPrograms(GoesOn):
         if not taken:
             self.desk.programs.ended(look)
         self.seen.expect(taken)
+
+    def action_height_map(self) -> None:
+        """Ask to which height map the program is bent."""
+        desk = self.desk
+        program = desk.programs.program
+        if desk.link.moving:
+            self.seen.refuse(BUSY)
+        elif program is None:
+            said = desk.keys.said("open")
+            self.seen.refuse(spoken("No program is loaded: open one with {said}.", said=said))
+        else:
+            offered = desk.inputs.get(LAST_MAP, "")
+            dialog = MapDialog(desk.keys, desk.programs.folder, offered)
+            self.app.push_screen(dialog, lambda path: self._map_chosen(program, path))
+
+    def _map_chosen(self, program: Program, path: Path | None) -> None:
+        if path is None:
+            return
+        look, chosen = self.desk.programs.begin(), path if path.name else None
+        if chosen is not None:
+            self.desk.inputs[LAST_MAP] = str(chosen)
+
+        def read() -> None:
+            program.bend_to(chosen)
+            self.call_later(self._see_through, program, look)
+
+        self._aside(look, read)
 
     # --- looking through -------------------------------------------------------------------------
 

@@ -1,13 +1,13 @@
 """What is in force, in one line: offset, tool, spindle, feed and overrides, switches of a run.
 
-G54  G92  T2  D3  G43 12.5  S12000 on by hand  F300 × 80% = 240  rapids 50%  single block
+G54  G92  MAP  T2  D3  G43 12.5  S12000 on by hand  F300 × 80% = 240  rapids 50%  single block
 """
 
 from collections.abc import Iterator
 
 from rich.cells import cell_len
 
-from fraese.control.state import MachineState
+from fraese.control.state import MachineState, Status
 from fraese.phrases import spoken
 from fraese.ui.widgets.fact import Fact
 
@@ -40,6 +40,8 @@ def _where(state: MachineState) -> Iterator[str]:
         yield "G92"
     if work.rotation_deg:
         yield f"R{work.rotation_deg:g}°"
+    if state.job is not None and state.job.height_map and state.status is Status.RUN:
+        yield spoken("MAP")
 
 
 def _tool(state: MachineState) -> Iterator[str]:
