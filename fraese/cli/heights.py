@@ -16,9 +16,10 @@ from fraese.heightmap.heights import Flat
 from fraese.heightmap.mapfile import PartMap
 from fraese.phrases import phrase
 from fraese.program.content import take
+from fraese.program.grid import Grid
 from fraese.program.mapfiles import MapFile
 from fraese.program.mapped import part_of
-from fraese.program.mapping import Feeling, Grid, empty_map
+from fraese.program.mapping import Feeling, empty_map
 from fraese.program.mapping import Mapping as MapProbing
 
 app = typer.Typer()

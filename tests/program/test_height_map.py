@@ -17,10 +17,11 @@ from fraese.heightmap.heights import HeightMap
 from fraese.heightmap.mapfile import PartMap, encoded
 from fraese.program.check import check_program
 from fraese.program.context import ProgramContext
+from fraese.program.grid import Grid
 from fraese.program.kept import KeptPrograms
 from fraese.program.mapfiles import MapFile
 from fraese.program.mapped import take_map
-from fraese.program.mapping import Feeling, Grid, Mapping, empty_map
+from fraese.program.mapping import Feeling, Mapping, empty_map
 from fraese.program.program import Program, open_program
 from fraese.program.resumption import Resumption
 from fraese.program.source import ProgramSource
