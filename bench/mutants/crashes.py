@@ -118,7 +118,7 @@ MUTANTS: Final = (
         "program/resumption: the machine has changed since",
         "the way that was shown is not the way that is gone",
         _P + "resumption.py",
-        "        if ProgramContext.of(controller) != self._context:\n",
+        "        if self.program.stands(controller) != self._context:\n",
         "        if False:\n",
         ("tests/program/test_resumption.py", "tests/ui/test_afterfaults.py"),
     ),
