@@ -15,7 +15,6 @@ from fraese.cli.switchwatch import watch_switches
 from fraese.control.asleft import take_as_left
 from fraese.control.controller import Controller
 from fraese.errors import Cancelled, FraeseError, UsageError
-from fraese.gcode.tooltable import changed_tools
 from fraese.phrases import phrase
 from fraese.program.check import Facts
 from fraese.program.context import ProgramContext, tool_table
@@ -24,6 +23,7 @@ from fraese.program.kept import KeptPrograms
 from fraese.program.mapped import about_map, take_map
 from fraese.program.program import Program, open_program
 from fraese.program.resumption import Resumption
+from fraese.tooldata import changed_tools
 
 FeedOption = Annotated[
     float | None,

@@ -28,11 +28,11 @@ from fraese.control.controller import Controller
 from fraese.control.position import Position
 from fraese.control.state import MachineState, Status, three_decimals
 from fraese.errors import Cancelled, FraeseError
-from fraese.gcode.tooltable import changed_tools
 from fraese.phrases import joined, phrase
 from fraese.program.context import tool_table
 from fraese.program.interrupted import cut_short
 from fraese.signalwatch import watched
+from fraese.tooldata import changed_tools
 from fraese.workframe import G28_HOME, G30_HOME, stored
 
 #: What else belongs to a result.

@@ -21,6 +21,7 @@ from fraese.control.runloop import RunLoop
 from fraese.control.state import MachineState, Status, WorkFacts
 from fraese.machine import Axis
 from fraese.motor.pins import STATUS_PINS, levels
+from fraese.tooldata import ToolData, changed_tool
 
 
 @any_thread
@@ -65,7 +66,7 @@ def snapshot(
         position_mm=(position_mm := where.machine.to_mm(position_steps)),
         work_mm=frame.to_work(position_mm),
         offset_mm=frame.origin,
-        work=WorkFacts.of(frame, tool, tools.get(str(tool))),
+        work=WorkFacts.of(frame, tool, _tool_data(where, tools, tool)),
         cutting=cutting.at(move_of(queue.tag)),
         referenced=where.referenced,
         speed_mm_min=queue.mm_s() * 60,
@@ -88,6 +89,15 @@ def snapshot(
         phases=report.phases,
         cut_short=loop.unfinished.place,
     )
+
+
+def _tool_data(
+    where: Position, tools: Mapping[str, ToolConfig], number: int
+) -> ToolData | ToolConfig | None:
+    """Of the tool in the spindle: a program may have changed it."""
+    configured = next((tool for key, tool in tools.items() if int(key) == number), None)
+    data = ToolData(configured.length_mm, configured.diameter_mm) if configured else ToolData()
+    return changed_tool(number, where.offsets.parameters, data) or configured
 
 
 def _of_axes(axes: Sequence[Axis]) -> dict[str, Any]:

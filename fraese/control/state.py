@@ -10,6 +10,7 @@ from fraese.config.work import ToolConfig
 from fraese.control.cutting import NO_CUTTING, Cutting
 from fraese.machine import three_decimals as three_decimals
 from fraese.phrases import joined, phrase
+from fraese.tooldata import ToolData
 from fraese.workframe import SYSTEMS, WorkFrame
 
 
@@ -84,7 +85,9 @@ class WorkFacts:
     tool_diameter_mm: float = 0.0
 
     @classmethod
-    def of(cls, frame: WorkFrame, tool: int, data: ToolConfig | None = None) -> "WorkFacts":
+    def of(
+        cls, frame: WorkFrame, tool: int, data: ToolConfig | ToolData | None = None
+    ) -> "WorkFacts":
         """Of a frame and the tool in the spindle; ``data``: what the tool table says of it."""
         return cls(
             system=SYSTEMS[frame.system - 1],

@@ -1,8 +1,10 @@
 """The tool table, looked at and changed by hand.
 
-Rule 1: it changes between programs only. What runs was looked through with the table as it was;
+Rule 1: there is one table: that of the configuration, with what programs have set since (G10
+        L1). Who changes a line here has the last word: what a program had set of it is gone.
+Rule 2: it changes between programs only. What runs was looked through with the table as it was;
         the next program finds the new one.
-Rule 2: what cannot be written is not in force either.
+Rule 3: what cannot be written is not in force either.
 """
 
 import math
@@ -14,6 +16,7 @@ from fraese.control.controller import Controller
 from fraese.errors import StateError, UsageError
 from fraese.log import logged
 from fraese.phrases import phrase
+from fraese.tooldata import ToolData, as_parameters, changed_tool, changed_tools, without_tool
 
 #: No tool is longer or wider.
 _MOST_MM: Final = 10_000.0
@@ -33,11 +36,31 @@ class Tool(NamedTuple):
 
 
 def tool_table(controller: Controller) -> list[Tool]:
-    """Its lines, by number."""
+    """Its lines, by number, as the next program finds them."""
+    configured, remarks = _configured(controller), _remarks(controller)
+    kept = controller.position.offsets.parameters
+    tools = {**configured, **changed_tools(kept, configured)}
     return sorted(
-        Tool(int(key), tool.length_mm, tool.diameter_mm, tool.remark)
-        for key, tool in controller.config.tools.items()
+        Tool(number, tool.length_mm, tool.diameter_mm, remarks.get(number, ""))
+        for number, tool in tools.items()
     )
+
+
+def set_by_programs(controller: Controller) -> frozenset[int]:
+    """Tools of which a program has the last word."""
+    kept = controller.position.offsets.parameters
+    return frozenset(changed_tools(kept, _configured(controller)))
+
+
+def _configured(controller: Controller) -> dict[int, ToolData]:
+    return {
+        int(key): ToolData(tool.length_mm, tool.diameter_mm)
+        for key, tool in controller.config.tools.items()
+    }
+
+
+def _remarks(controller: Controller) -> dict[int, str]:
+    return {int(key): tool.remark for key, tool in controller.config.tools.items()}
 
 
 @logged
@@ -83,18 +106,38 @@ def store_tool(controller: Controller, tool: Tool, write: Write) -> None:
         del changed[f"tools.{key}.remark"]
     if changed:
         write(changed)
+    known = _set_by_program(controller, tool.number)
     _put(controller, {**controller.config.tools, key: ToolConfig.model_validate(values)})
+    data = ToolData(tool.length_mm, tool.diameter_mm, known.others if known else {})
+    _have_the_last_word(controller, tool.number, data)
 
 
 @logged
 def clear_tool(controller: Controller, number: int, write: Write) -> None:
     """Take a line out of the table; as ``store_tool``."""
     key, tools = _key(controller, number), dict(controller.config.tools)
-    if key not in tools:
+    if key not in tools and _set_by_program(controller, number) is None:
         raise UsageError(phrase("There is no tool {number} in the table.", number=number))
-    write({f"tools.{key}": None})
-    del tools[key]
-    _put(controller, tools)
+    if key in tools:
+        write({f"tools.{key}": None})
+        del tools[key]
+        _put(controller, tools)
+    _have_the_last_word(controller, number, ToolData())
+
+
+def _set_by_program(controller: Controller, number: int) -> ToolData | None:
+    configured = _configured(controller).get(number, ToolData())
+    return changed_tool(number, controller.position.offsets.parameters, configured)
+
+
+def _have_the_last_word(controller: Controller, number: int, data: ToolData) -> None:
+    """What a program had set is gone, but offsets of other axes that are nowhere else."""
+    offsets = controller.position.offsets
+    kept = without_tool(number, offsets.parameters)
+    if any(data.others.values()):
+        kept |= as_parameters(number, data, data)
+    if kept != offsets.parameters:
+        offsets.replace(kept)
 
 
 def _key(controller: Controller, number: int) -> str:

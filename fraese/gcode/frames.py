@@ -12,10 +12,9 @@ from fraese.gcode.canon import Move, Rapid
 from fraese.gcode.expressions import whole
 from fraese.gcode.offsets import HOMES
 from fraese.gcode.position import Position
-from fraese.gcode.setup import ToolData
-from fraese.gcode.tooltable import MOST_CHANGED, as_parameters, changed_tools
 from fraese.gcode.words import Block
 from fraese.phrases import phrase
+from fraese.tooldata import MOST_CHANGED, ToolData, as_parameters, changed_tools
 from fraese.workframe import G92_OFFSET, Point
 
 # The system whose offset G10 L11 measures against.

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fraese.gcode.text import lines_of, open_plain, require_inside
+from fraese.tooldata import ToolData
 from fraese.workframe import Point
 
 FileLines = Callable[[Path], Iterator[str] | None]
@@ -19,21 +20,6 @@ def lines_on_disk(path: Path) -> Iterator[str] | None:
     require_inside(path)
     stream = open_plain(path)
     return None if stream is None else lines_of(stream, str(path))
-
-
-@dataclass(frozen=True, slots=True)
-class ToolData:
-    """A line of the tool table, in mm."""
-
-    length_mm: float = 0.0
-    diameter_mm: float = 0.0
-    # offsets along other axes than Z, by letter
-    others: Mapping[str, float] = field(default_factory=dict)
-
-    def offset(self, axes: str) -> Point:
-        """What G43 applies to these axes."""
-        offsets = {**self.others, "z": self.length_mm}
-        return tuple(offsets.get(letter, 0.0) for letter in axes)
 
 
 @dataclass(frozen=True, slots=True)

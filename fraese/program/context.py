@@ -8,13 +8,14 @@ from typing import Any, NamedTuple
 from fraese.config import Config
 from fraese.control.controller import Controller
 from fraese.errors import ProgramError
-from fraese.gcode.setup import Setup, ToolData
+from fraese.gcode.setup import Setup
 from fraese.heightmap.bend import Site
 from fraese.heightmap.heights import HeightMap
 from fraese.machine import Machine, Millimetres, Steps
 from fraese.phrases import phrase
 from fraese.planner.planner import Options
 from fraese.program.taken import Taken
+from fraese.tooldata import ToolData
 from fraese.workframe import TOOL_NUMBER
 
 

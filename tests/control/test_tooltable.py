@@ -1,12 +1,20 @@
 """The tool table changed by hand: kept, or not in force."""
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import pytest
 
 from fraese.assembly import Plant, assemble
 from fraese.config import Config
-from fraese.control.tooltable import Tool, clear_tool, store_tool, tool_table
+from fraese.control.state import Status
+from fraese.control.tooltable import (
+    Tool,
+    clear_tool,
+    set_by_programs,
+    store_tool,
+    tool_table,
+)
 from fraese.errors import ConfigError, StateError, UsageError
 from fraese.program.context import ProgramContext
 from fraese.program.typed import run_text
@@ -112,3 +120,53 @@ def test_while_a_program_runs_or_waits_its_tools_stay() -> None:
     assert keeper.written == []
     assert tool_table(made.controller) == [Tool(1)]
     made.close()
+
+
+def run(made: Plant, text: str) -> None:
+    run_text(made.controller, text)
+    assert made.controller.run() is Status.OK, made.controller.state().message
+
+
+def test_what_a_program_has_set_is_in_the_table_and_a_person_has_the_last_word() -> None:
+    made, keeper = plant(t3={"length_mm": 10, "diameter_mm": 6, "remark": "drill"}), Keeper()
+    controller = made.controller
+    run(made, "M61 Q3\nG10 L1 P3 Z42 R4 X1")
+    assert tool_table(controller) == [Tool(3, 42.0, 8.0, "drill")]
+    assert set_by_programs(controller) == {3}
+    assert controller.state().work.tool_diameter_mm == 8
+    # Also if that is what the file says already.
+    store_tool(controller, Tool(3, 10.0, 6.0, "drill"), keeper.write)
+    assert keeper.written == []
+    assert tool_table(controller) == [Tool(3, 10.0, 6.0, "drill")]
+    assert controller.state().work.tool_diameter_mm == 6
+    run(made, "G43 H3")
+    assert controller.state().work.tool_length_mm == 10
+    assert controller.state().work.tool_offset_mm[0] == 1, "what the table has no column for stays"
+    made.close()
+
+
+def test_a_tool_that_only_a_program_knows_can_be_changed_and_cleared() -> None:
+    made, keeper = plant(), Keeper()
+    run(made, "G10 L1 P9 Z5")
+    assert tool_table(made.controller) == [Tool(9, 5.0)]
+    clear_tool(made.controller, 9, keeper.write)
+    assert (tool_table(made.controller), keeper.written) == ([], [])
+    with pytest.raises(UsageError, match="no tool 9"):
+        clear_tool(made.controller, 9, keeper.write)
+    made.close()
+
+
+def test_it_is_the_same_table_after_a_restart(tmp_path: Path) -> None:
+    config = Config.model_validate({"tools": {"3": {"length_mm": 10}}})
+    made = assemble(config, state=tmp_path)
+    run(made, "G10 L1 P3 Z42")
+    made.controller.idle(2.0)
+    made.close()
+    again = assemble(config, state=tmp_path)
+    assert tool_table(again.controller) == [Tool(3, 42.0)]
+    store_tool(again.controller, Tool(3, 10.0), Keeper().write)
+    again.controller.idle(2.0)
+    again.close()
+    last = assemble(config, state=tmp_path)
+    assert tool_table(last.controller) == [Tool(3, 10.0)]
+    last.close()

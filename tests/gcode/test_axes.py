@@ -7,7 +7,8 @@ from fraese.gcode.axes import Axes
 from fraese.gcode.canon import Arc, Facts, Feed, Probe, Rapid
 from fraese.gcode.coordlist import read_points
 from fraese.gcode.extents import arc_extent
-from fraese.gcode.setup import Setup, ToolData
+from fraese.gcode.setup import Setup
+from fraese.tooldata import ToolData
 from tests.gcode.run import answered, moves
 
 

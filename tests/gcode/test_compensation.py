@@ -4,7 +4,7 @@ import pytest
 
 from fraese.errors import ProgramError
 from fraese.gcode.canon import Arc, Dwell, End, Facts, Feed, Message, Move, Pause, Rapid, Spindle
-from fraese.gcode.setup import ToolData
+from fraese.tooldata import ToolData
 from tests.gcode.run import answered, moves
 
 TOOLS = {2: ToolData(0.0, 4.0)}

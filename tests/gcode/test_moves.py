@@ -25,7 +25,8 @@ from fraese.gcode.canon import (
     Tool,
 )
 from fraese.gcode.interpreter import Interpreter, interpret
-from fraese.gcode.setup import Setup, ToolData
+from fraese.gcode.setup import Setup
+from fraese.tooldata import ToolData
 from tests.gcode.run import answered, marked, moves
 
 

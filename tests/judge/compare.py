@@ -8,7 +8,8 @@ from typing import Any
 from fraese.errors import ProgramError
 from fraese.gcode import canon
 from fraese.gcode.interpreter import Interpreter
-from fraese.gcode.setup import Setup, ToolData
+from fraese.gcode.setup import Setup
+from fraese.tooldata import ToolData
 from fraese.workframe import Point
 from tests.judge.rs274 import INCH_MM, Event, Verdict, judge
 

@@ -8,8 +8,7 @@ from fraese.assembly import Plant
 from fraese.control.savedstate import SavedState
 from fraese.control.state import Status
 from fraese.errors import ProgramError
-from fraese.gcode.setup import ToolData
-from fraese.gcode.tooltable import as_parameters, changed_tools
+from fraese.tooldata import ToolData, as_parameters, changed_tools
 from tests.helpers import homed, program, run_program
 
 TOOLS = {"tools": {"1": {"length_mm": 20.0}, "2": {"length_mm": 25.0}}}

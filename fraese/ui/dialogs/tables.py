@@ -14,7 +14,14 @@ from textual.containers import VerticalScroll
 
 from fraese.axiswords import axis_words
 from fraese.control.controller import Controller
-from fraese.control.tooltable import Tool, Write, clear_tool, store_tool, tool_table
+from fraese.control.tooltable import (
+    Tool,
+    Write,
+    clear_tool,
+    set_by_programs,
+    store_tool,
+    tool_table,
+)
 from fraese.control.workcommands import select_system, store_system, systems
 from fraese.errors import UsageError
 from fraese.phrases import phrase, spoken
@@ -142,7 +149,8 @@ class ToolsDialog(TableDialog):
     def rows(self, controller: Controller) -> list[str]:
         """One a line; which one is in the spindle."""
         self._tools = {tool.number: tool for tool in tool_table(controller)}
-        now = controller.state().work.tool
+        now, by_program = controller.state().work.tool, set_by_programs(controller)
+        by = spoken(" (set by a program)")
         place = (
             spoken("kept in {path}", path=self._path)
             if self._path
@@ -155,6 +163,7 @@ class ToolsDialog(TableDialog):
             *(
                 f"{'▶' if tool.number == now else ' '}  {f'T{tool.number}':>5}"
                 f" {tool.length_mm:9.3f} {tool.diameter_mm:9.3f}  {tool.remark}"
+                f"{by if tool.number in by_program else ''}"
                 for tool in self._tools.values()
             ),
         ]
