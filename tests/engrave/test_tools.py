@@ -1,5 +1,6 @@
 """Cutters and lasers: passes, tabs, overscan, power; and what must hold of any program."""
 
+import json
 import math
 from pathlib import Path
 
@@ -259,3 +260,21 @@ def test_many_paths_are_brought_into_order_in_a_bearable_number_of_looks(tmp_pat
         return figures.rapid_mm
 
     assert rapids_mm(ordered(shuffled)) < 0.05 * rapids_mm(shuffled)
+
+
+def test_a_laser_on_an_output_is_lit_as_often_and_as_long_as_the_program_says(bench: Bench) -> None:
+    bench.file("fraese.toml", '[card]\nkind = "stepdir"\n[outputs]\nlaser = { pin = 14 }\n')
+    words = ["--way", "sweep", "--power", 500, "--distance", 1, "--feed", 300, "--width", 15]
+    bench.engrave(bench.file("a.svg", SQUARE_SVG), *words)
+    burnt = lit(bench.ways())
+    assert bench.run("home").exit_code == 0
+    assert bench.run("move", "X20", "Y20").exit_code == 0
+    assert bench.run("zero").exit_code == 0
+    done = bench.run("run", "out.ngc", "--trace", "out.vcd")
+    assert done.exit_code == 0, done.output
+    shown = json.loads(bench.run("trace", "out.vcd", "--json").stdout)
+    (light,) = [line for name, line in shown["lines"].items() if "laser" in name]
+    assert light["rising"] == len(burnt) > 9
+    # At the full feed all the way: it got up to it where it was dark.
+    shortest_s = min(way.length_mm for way in burnt) / 5
+    assert light["shortest_high_s"] == pytest.approx(shortest_s, rel=0.02)
