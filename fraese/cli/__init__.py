@@ -24,6 +24,15 @@ app = typer.Typer(
 )
 
 
+def _say_version(wanted: bool) -> None:
+    """The version, and no more."""
+    if wanted:
+        from importlib.metadata import version  # Nobody else pays for it.
+
+        typer.echo(f"fraese {version('fraese')}")
+        raise typer.Exit
+
+
 @app.callback(invoke_without_command=True)
 def start(
     context: typer.Context,
@@ -35,6 +44,12 @@ def start(
     ] = None,
     trace: TraceOption = None,
     language: LanguageOption = None,
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Say which version this is.", is_eager=True, callback=_say_version
+        ),
+    ] = False,
 ) -> None:
     """Without a command, start the app."""
     if context.invoked_subcommand is not None:

@@ -7,7 +7,7 @@ import typer
 
 from fraese.assembly import assemble
 from fraese.assembly.misfits import described
-from fraese.cli import appkeys, language
+from fraese.cli import appkeys, configinit, language
 from fraese.cli.leaving import leave
 from fraese.cli.looking import Looking
 from fraese.cli.options import ConfigOption, FileArgument, HeightMapOption, with_options
@@ -26,9 +26,10 @@ from fraese.program.source import ProgramSource
 from fraese.program.taken import take_program
 
 app = typer.Typer()
-config_app = typer.Typer(help="Look at the configuration.", no_args_is_help=True)
+config_app = typer.Typer(help="Begin, or look at, a configuration.", no_args_is_help=True)
 app.add_typer(config_app, name="config")
 config_app.command("keys")(appkeys.keys)
+config_app.command("init")(configinit.init)
 
 
 # --- programs ----------------------------------------------------------------------------------

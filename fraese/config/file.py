@@ -245,18 +245,25 @@ def schema() -> dict[str, Any]:
     return Config.model_json_schema()
 
 
-def annotated() -> str:
-    """The defaults as a file, every key with its sentence, unit and bounds."""
+def annotated(config: Config | None = None, about: str = "") -> str:
+    """A configuration as a file, every key with its sentence, unit and bounds.
+
+    Args:
+        config: its values; by default all are the defaults.
+        about: what machine it is.
+    """
     lines = [
-        "# Configuration of fraese. Every key is optional; what stands here is the default.",
+        "# Configuration of fraese. Every key is optional; what stands here is the default."
+        if config is None
+        else f"# {about}. Every key of fraese stands here, with its value.",
         "# Found in the working directory, else in the user's configuration folder.",
     ]
-    _annotate(Config(), "", lines)
+    _annotate(config or Config(), "", lines)
     return "\n".join(lines) + "\n"
 
 
 def _annotate(section: Section, path: str, lines: list[str]) -> None:
-    tables = []
+    tables: list[tuple[str, Section]] = []
     if path:
         lines += ["", f"# {(type(section).__doc__ or '').strip()}", f"[{path}]"]
     for key, field in type(section).model_fields.items():
@@ -266,12 +273,15 @@ def _annotate(section: Section, path: str, lines: list[str]) -> None:
             continue
         if value is None and isinstance(section, AxesConfig):
             continue  # one of the letters that this machine has not
+        if type(section) in _NAMED_AT_WILL and key not in section.model_fields_set:
+            continue  # the example above it has every key
         lines.append(f"# {field.description}{_one_of(field.annotation)}{bounds_of(field.metadata)}")
         if not path and key in _BY_EXAMPLE:
             lines += [f"#{line}" for line in _BY_EXAMPLE[key]]
             continue
         if isinstance(value, dict):
             lines += _example_table(f"{path}.{key}" if path else key, field.annotation)
+            tables += [(f"{key}.{name}", named) for name, named in value.items()]
             continue
         lines.append(_entry(key, value, field.annotation))
     if isinstance(section, AxesConfig):
@@ -285,6 +295,8 @@ def _entry(key: str, value: Any, annotation: Any) -> str:
         return f"#{key} = {_example(annotation)}"
     if isinstance(value, Decimal):
         return f"{key} = {value}"
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
     return f"{key} = {_as_toml(value)}"
 
 

@@ -152,6 +152,23 @@ def test_a_palette_that_has_gone_before_its_search_begins() -> None:
     play(scene)
 
 
+def test_a_page_that_ends_below_the_palette_goes_when_that_goes() -> None:
+    async def scene() -> None:
+        async with bench() as b:
+            await b.press("g")
+            page = cast(GoToDialog, b.app.screen)
+            await b.press("ctrl+p")
+            await b.wait(lambda: isinstance(b.app.screen, Palette))
+            page.dismiss(None)
+            page.dismiss(None)
+            await b.settled()
+            assert isinstance(b.app.screen, Palette)
+            await b.press("escape")
+            await b.wait(lambda: b.app.screen is b.view)
+
+    play(scene)
+
+
 def test_a_palette_that_is_closed_twice_at_once_is_closed_once() -> None:
     async def scene() -> None:
         async with bench() as b:

@@ -30,6 +30,7 @@ class Page(ModalScreen[R | None]):
     def __init__(self, keys: KeyTable) -> None:
         super().__init__()
         self.keys = keys
+        self._is_to_close_with: tuple[R | None] | None = None
         bind(self, keys.of(self.AREA))
 
     @property
@@ -41,8 +42,19 @@ class Page(ModalScreen[R | None]):
         return self in self.app.screen_stack
 
     def dismiss(self, result: R | None = None) -> AwaitComplete:
-        """Close it with this result, once."""
-        return super().dismiss(result) if self.is_there else AwaitComplete()
+        """Close it with this result, once; what lies above it goes first."""
+        if not self.is_there:
+            return AwaitComplete()
+        if self.app.screen is not self:
+            # Textual would close what lies above.
+            self._is_to_close_with = (result,)
+            return AwaitComplete()
+        return super().dismiss(result)
+
+    def on_screen_resume(self) -> None:
+        """What lay above it has gone."""
+        if self._is_to_close_with is not None:
+            self.dismiss(*self._is_to_close_with)
 
     def action_back(self) -> None:
         """Nothing is wanted."""
