@@ -78,8 +78,8 @@ MUTANTS: Final = (
         "control/unfinished: one that ended well is gone on with",
         "a finished part is milled once more",
         _C + "unfinished.py",
-        "self.left = None if done else self.known()",
-        "self.left = self.known()",
+        "                self.left = None\n",
+        "                self.left = self.known()\n",
         _GOING_ON,
     ),
     Mutant(
@@ -94,8 +94,8 @@ MUTANTS: Final = (
         "control/unfinished: a jog is a program to go on with",
         "a jog between two programs forgets the one that was cut short",
         _C + "unfinished.py",
-        "        if self._note is not None:\n            self.left",
-        "        if True:\n            self.left",
+        "        if self._note is not None:\n            if done",
+        "        if True:\n            if done",
         ("tests/control/test_unfinished.py",),
     ),
     Mutant(

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
-from fraese.cli.engrave import Wanted
+from fraese.cli.engraveoptions import Wanted
 from fraese.cli.newfile import check_new, new_file
 from fraese.cli.output import note, say, show_progress, wipe_progress, write
 from fraese.dots import ASCII, BRAILLE, HALVES, Cell
