@@ -3,6 +3,7 @@
 import json
 import signal
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,9 @@ import pytest
 from fraese.assembly import assemble
 from fraese.control.state import Status
 from tests.cli.test_session import begun, fraese
-from tests.helpers import configured, crash
+from tests.helpers import configured, crash, kept
+
+PATIENCE_S = 30
 
 PART = "G21 G90 F900\nG0 Z-1\nO1 REPEAT [3]\nG1 X12\nG1 X2\nO1 ENDREPEAT\nG1 X5 Y4\nM2\n"
 
@@ -18,7 +21,13 @@ PART = "G21 G90 F900\nG0 Z-1\nO1 REPEAT [3]\nG1 X12\nG1 X2\nO1 ENDREPEAT\nG1 X5 
 def _started(folder: Path) -> "subprocess.Popen[str]":
     (folder / "part.ngc").write_text(PART, "utf-8")
     assert fraese(folder, "home").returncode == 0
-    return begun(folder, "run", "part.ngc", "--real-time")
+    process = begun(folder, "run", "part.ngc", "--real-time")
+    # Before its first move nothing is cut short.
+    until_s = time.monotonic() + PATIENCE_S
+    while not any(kept(folder / "state")["position_steps"]):
+        assert time.monotonic() < until_s, "nothing moves"
+        time.sleep(0.01)
+    return process
 
 
 def _where(folder: Path) -> dict[str, float]:
