@@ -6,8 +6,8 @@ Rule 1: no byte that arrives ends the app: what is no UTF-8 is a replacement cha
         parser of keys does not understand is left out, and a paste without an end gets one.
 Rule 2: a terminal that is gone is told of once, at once.
         Text that comes faster than fingers type is a paste, whether the terminal says so or not.
-Rule 3: what is typed faster than the app can follow is left out, but for the stop keys: no backlog
-        moves a machine later. What is pasted has an end.
+Rule 3: what is typed faster than the app can follow is left out, but for the keys that stop and
+        quit: no backlog moves a machine later. What is pasted has an end.
 Rule 4: a key that is let go is told where the terminal knows kitty's protocol (``KeyEvents``); what
         is held is let go at once, in this thread.
 Rule 5: a lone ESC is the Escape key when nothing follows for 20 ms. What follows later, and would
@@ -47,6 +47,8 @@ from fraese.ui.messages import KeyUp
 from fraese.ui.pastes import with_pastes
 from fraese.ui.screenwriter import ScreenWriter
 
+#: What is heard however much waits.
+_ALWAYS_HEARD: Final = STOP_KEYS | QUIT_KEYS
 _LOOK_EVERY_S: Final = 0.1
 #: What belongs to a sequence follows its ESC within this time.
 _ESCAPE_S: Final = 0.02
@@ -160,7 +162,7 @@ class Terminal(LinuxDriver):
             letting_go.lets_go(getattr(message, "key", ""))
         if isinstance(message, Resize) and max(message.size) > _MOST_CELLS:
             return
-        if isinstance(message, Key | MouseEvent | Paste) and not _is_one_of(message, STOP_KEYS):
+        if isinstance(message, Key | MouseEvent | Paste) and not _is_one_of(message, _ALWAYS_HEARD):
             app: Any = self._app
             if app.backlog() > _BACKLOG:
                 return

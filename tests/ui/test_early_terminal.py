@@ -138,6 +138,10 @@ def test_these_do_not_and_leave_the_terminal_alone(words: tuple[str, ...]) -> No
     assert not starts_the_app(words)
 
 
+#: Whoever asks for these gets no app.
+ENDING = ("--help", "-h", "--version")
+
+
 def test_all_options_of_the_app_are_known() -> None:
     callback = command_line.registered_callback
     assert callback is not None
@@ -148,7 +152,7 @@ def test_all_options_of_the_app_are_known() -> None:
         name: not getattr(each, "is_flag", False)
         for each in command.params
         for name in each.opts
-        if name not in ("--help", "-h")
+        if name not in ENDING
     }
     assert options == {**dict.fromkeys(VALUED, True), **dict.fromkeys(PLAIN, False)}
 
