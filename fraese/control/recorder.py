@@ -234,7 +234,8 @@ class JournalRecorder(Recorder):
         is_asked = holds(records.asked.box, needed) and records.asked.at_ns >= self._torn_ns
         if is_asked and self.is_awaited and (not to_start or self._is_young(records.over_ns)):
             return False
-        if self._queue.report.running and self._is_recent(_RUNNING_NS):
+        runs = self._is_threaded and self._queue.report.running
+        if runs and self._is_recent(_RUNNING_NS):
             return False
         self._still_ns = None  # it is to move, however long it stood
         self._say_moving(more)

@@ -60,6 +60,21 @@ def test_at_every_look_the_record_bounds_where_the_machine_is(tmp_path: Path, cl
     assert values["position_steps"] == list(made.controller.position.position_steps)
 
 
+def test_a_machine_that_is_faster_than_time_does_not_wait_for_its_records(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On the virtual clock minutes of motion go by between two looks at the real one."""
+    made = assemble(configured(), state=tmp_path)
+    recorder = made.controller._queue.recorder
+    assert isinstance(recorder, JournalRecorder)
+    monkeypatch.setattr(recorder, "_now_ns", lambda: 1_000_000_000)
+    text = "G1 F1000\n" + "X40 Y30\nX0 Y0\n" * 5 + "M2\n"
+    program(tmp_path, text).start(made.controller)
+    assert made.controller.run() is Status.OK
+    assert made.controller.state().dry_queues == 0
+    made.close()
+
+
 def test_a_record_says_how_the_carriage_lags_in_the_middle_of_a_block_too(tmp_path: Path) -> None:
     """Carriage, motor and slack of one moment: what they come to never changes."""
     made = assemble(configured(axes={"x": {"backlash_mm": 0.5}}), state=tmp_path)
