@@ -88,7 +88,7 @@ class Controller(Commands):
         # The first words with the driver; until here nobody has spoken to it.
         self._queue.open()
         self.switches.open()
-        self._queue.look_around(config.switches.readings)
+        self._queue.look_around(config.switches.readings, clock)
         self._loop = RunLoop(
             config, driver, clock, self._queue, self.position, self.switches, slice_s, seen
         )

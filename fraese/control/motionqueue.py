@@ -27,7 +27,7 @@ from fraese.control.position import Position
 from fraese.control.recorder import Recorder
 from fraese.errors import PortError, StateError
 from fraese.machine import Steps
-from fraese.motor.seams import IdleLevel, Report, StepDriver
+from fraese.motor.seams import Clock, IdleLevel, Report, StepDriver
 from fraese.phrases import phrase
 from fraese.planner.lines import mm_per_tick, planned_s
 
@@ -35,8 +35,9 @@ from fraese.planner.lines import mm_per_tick, planned_s
 DIED: Final = phrase("what made the steps died in the middle of a job")
 #: and from what it had been given.
 LOST: Final = phrase("what makes the steps was lost in the middle of a job")
-#: An input that still changes after so many readings is a matter for a person.
+#: An input that still changes after so many readings, or so long, is a matter for a person.
 _MOST_LOOKS: Final = 1000
+_LONGEST_LOOK_NS: Final = 500_000_000
 
 
 class _Queued(NamedTuple):
@@ -210,10 +211,12 @@ class MotionQueue:
             self.handling.follow([queued.block for queued in self._queue])
         return self.report
 
-    def look_around(self, readings: int) -> None:
+    def look_around(self, readings: int, clock: Clock) -> None:
         """Poll until the inputs are known: so many equal readings in a row, after any bounce."""
-        equal = 0
+        equal, until_ns = 0, clock.now_ns() + _LONGEST_LOOK_NS
         for _ in range(_MOST_LOOKS):
+            if clock.now_ns() > until_ns:
+                return
             before = self.report.inputs
             equal = equal + 1 if self.poll().inputs == before else 0
             if equal >= readings:

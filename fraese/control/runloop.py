@@ -219,7 +219,7 @@ class RunLoop:
         if self.status is Status.ERROR:
             raise StateError(phrase("Acknowledge the error first: {message}", message=self.message))
         # Somebody may have moved a carriage, or pressed a switch, since the last look.
-        self._queue.look_around(self._config.switches.readings)
+        self._queue.look_around(self._config.switches.readings, self._clock)
 
     @property
     @any_thread

@@ -282,6 +282,12 @@ class Shop(Trial):
 @example([Lie("bent", status={1: 0, 2: 0})], False, 28, [("x", -1.0)])
 @example([Lie("bent", status={1: 3}), Lie("bent", status={1: 0, 2: 0})], True, 9, [("x", -1.0)])
 @example([Lie("bent", status={1: 5, 2: 3, 4: 1, 5: 7, 8: 16_000})], True, 22, [("x", 2.0)])
+@example(
+    [Lie("bent", status={1: 0}), Lie("bent", status={9: 0}), Lie("lost", at=66)],
+    True,
+    0,
+    [("x", -1.0)],
+)
 def test_a_machine_on_such_a_device(
     script: list[Lie], for_ever: bool, honest: int, jobs: list[tuple[str, float]]
 ) -> None:
