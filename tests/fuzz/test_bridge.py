@@ -288,6 +288,18 @@ class Shop(Trial):
     0,
     [("x", -1.0)],
 )
+@example(
+    [
+        TRUTH,
+        Lie("bent", status={1: 0}),
+        Lie("bent", {0: 2**32 - 1}, {1: 0}),
+        TRUTH,
+        Lie("bent", status={4: 0}),
+    ],
+    True,
+    0,
+    [("x", -1.0), ("x", -1.0)],
+)
 def test_a_machine_on_such_a_device(
     script: list[Lie], for_ever: bool, honest: int, jobs: list[tuple[str, float]]
 ) -> None:

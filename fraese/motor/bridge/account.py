@@ -132,6 +132,7 @@ class Account:
         self._tick = 0
         self._contact: tuple[int, int] | None = None
         self._latch: Place | None = None
+        self._place = Place(0, 0, 0)
 
     # --- blocks ----------------------------------------------------------------------------------
 
@@ -206,7 +207,14 @@ class Account:
             sent = self._by_serial.get(place.serial)
             if sent is not None and not sent.has(place):
                 return f"tick {place.done} of a block of {sent.ticks}"
+        if self._is_behind(status.place):
+            return f"block {status.place.serial} after block {self._place.serial}"
         return ""
+
+    def _is_behind(self, place: Place) -> bool:
+        """It was told before that more was played: nothing is played back."""
+        ahead = (place.serial - self._place.serial) % _SERIALS
+        return ahead >= _SERIALS // 2 or (not ahead and place.done < self._place.done)
 
     def see(self, status: Status, *, dropped: bool) -> None:
         """Take a STATUS.
@@ -217,7 +225,7 @@ class Account:
         """
         self._see_contact(status)
         self._see_latch(status)
-        place = status.place
+        place = self._place = status.place
         sent = self._by_serial.get(place.serial)
         if sent is not None and sent.number > self._settled:
             self.counts = sent.counts(place.done, place.moved)
