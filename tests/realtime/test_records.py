@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fraese.blocks import Block, Outputs, Piece, Watch, WatchAction
+from fraese.blocks import DARK, Block, Outputs, Piece, Watch, WatchAction
 from fraese.motor.blockqueue import BlockQueue
 from fraese.motor.horizon import DryPoint, Horizon
 from fraese.motor.realtime import memory as shared
@@ -31,6 +31,8 @@ BLOCKS = st.builds(
     override_q8=WORD,
     # Of no interest to whoever plays it.
     is_rapid=st.just(False),
+    # Wires have no power in parts.
+    power=st.just(DARK),
 )
 
 
