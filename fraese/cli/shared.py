@@ -61,7 +61,9 @@ class Place:
         """Where the state is kept."""
         return self.state or state_folder()
 
-    def plant(self, clock: ClockName | None = None, *, at_desk: bool = False) -> Plant:
+    def plant(
+        self, clock: ClockName | None = None, *, at_desk: bool = False, trace: Path | None = None
+    ) -> Plant:
         """The machine that they name; at a desk nothing is to move, and metal is left alone."""
         return assemble(
             language.load(self.config),
@@ -69,7 +71,7 @@ class Place:
             state=self.folder,
             fresh=self.fresh,
             at_desk=at_desk,
-            trace=self.trace,
+            trace=trace or self.trace,
         )
 
     def do(

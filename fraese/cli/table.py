@@ -19,6 +19,7 @@ MODULES: Final[Mapping[str, str]] = {
     name: module
     for module, names in {
         "motion": "run resume move jog home frame switches zero trust where",
+        "serve": "serve",
         "heights": "probe-map",
         "calibrate": "calibrate",
         "files": "check gcode config",

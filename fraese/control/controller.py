@@ -221,6 +221,10 @@ class Controller(Commands):
         """Blocks of the present job that were played to their end."""
         return self._queue.finished
 
+    def spare_s(self) -> float:
+        """How long the motors may go on before they must brake, if nothing more is pushed, s."""
+        return max(0.0, self._queue.duration_s() - self._queue.braking_s())
+
     def cut_short(self) -> Mapping[str, Any] | None:
         """What is kept of the program in hand, or of the last one that was cut short."""
         return self._loop.unfinished.known()

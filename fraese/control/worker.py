@@ -73,6 +73,11 @@ class Worker:
         with self._news:
             return self._doing is not None or self._waiting is not None
 
+    @property
+    def cancelled(self) -> bool:
+        """Since the command in hand was taken, somebody has told it to end."""
+        return self._cancelled
+
     def submit(self, command: Command, group: str = "") -> bool:
         """Do this next; False: it was not taken, since something else runs or waits.
 

@@ -8,7 +8,7 @@ Rule 3  Behind a barrier (probe, pause, tool change) the position is what the ou
 Rule 4  Whatever is wrong with a program ends in a ProgramError with file and line.
 """
 
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from typing import Final
 
 from fraese.errors import ProgramError
@@ -39,11 +39,11 @@ from fraese.gcode.parameters import Parameters
 from fraese.gcode.replay import Replay
 from fraese.gcode.settings import Settings
 from fraese.gcode.setup import Setup
-from fraese.gcode.source import Source
+from fraese.gcode.source import NOT_YET, Source
 from fraese.gcode.text import MAX_LINE
 from fraese.gcode.words import Block, BlockReader
 from fraese.phrases import phrase
-from fraese.workframe import Point, WorkFrame
+from fraese.workframe import TOOL_NUMBER, Point, WorkFrame
 
 #: Told of a line that is refused; whether the program is read on behind it.
 Refused = Callable[[ProgramError], bool]
@@ -164,6 +164,19 @@ class Interpreter:
         """The work frame in force there; replaced whole when it changes."""
         return self._motion.coordinates.frame
 
+    def stands(self, position_mm: Point, kept: Mapping[int, float], unreferenced: str) -> None:
+        """So the machine stands by now; while there is no line (``NOT_YET``).
+
+        Args:
+            position_mm: machine coordinates.
+            kept: persistent parameters.
+            unreferenced: as in ``Setup``.
+        """
+        self.parameters.take_up(kept)
+        self._motion.coordinates.read_anew()
+        self._motion.stands(position_mm, unreferenced)
+        self._modal.tool = int(kept.get(TOOL_NUMBER, 0.0))
+
     @property
     def position_mm(self) -> Point:
         """Where the machine stands after the moves so far."""
@@ -180,6 +193,10 @@ class Interpreter:
             text = flow.next()
             if text is None:
                 break
+            if text is NOT_YET:
+                yield Breath(motion.line)
+                changes, quiet = parameters.changes, 0
+                continue
             motion.line = flow.source.line
             self._text = text
             if not self._begun:

@@ -83,6 +83,11 @@ class Coordinates:
         if changed:
             self.select(self.frame.system)
 
+    def read_anew(self) -> None:
+        """Let what the parameters say be in force."""
+        self.frame = WorkFrame.of(self._parameters.numbered, self.axes)
+        self._parameters.set(ACTIVE_SYSTEM, float(self.frame.system))
+
     def set_g92(self, point: Point, active: bool, keep: bool = False) -> None:
         """Set G92 offsets; ``keep`` leaves the stored numbers alone."""
         if not keep:

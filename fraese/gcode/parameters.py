@@ -40,6 +40,12 @@ class Parameters:
         own = {index: numbered[index] for index in PERSISTENT if index in numbered}
         return own | {index: value for index, value in numbered.items() if index >= TOOLS}
 
+    def take_up(self, kept: Mapping[int, float]) -> None:
+        """Let what outlives the program be this."""
+        for index in self.persistent():
+            del self.numbered[index]
+        self.numbered |= kept
+
     def get(self, index: int) -> float:
         """Value of ``#index``; never set means 0.
 

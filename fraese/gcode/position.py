@@ -45,6 +45,11 @@ class Position:
         """The place in machine mm."""
         return self.coordinates.frame.to_machine(self.at)
 
+    def stands(self, machine_mm: Point, unreferenced: str) -> None:
+        """The machine is here by now, and of these axes nobody knows the place."""
+        self.at = self.coordinates.frame.to_work(machine_mm)
+        self._unreferenced = unreferenced
+
     def target(self, block: Block) -> Point:
         """Where the axis words lead, in program mm."""
         words = block.words

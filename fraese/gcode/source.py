@@ -5,9 +5,15 @@ Rule 2  Lines are kept only while someone holds the place: a loop (back to its h
         look ahead for a subroutine (back to the call). Held lines are dropped once the last
         hold is gone and they have been passed again.
 Rule 3  Places are line numbers, 1-based.
+Rule 4  Where lines come one by one from somebody, ``NOT_YET`` stands for one that is not there yet.
+        It is no line; nothing that looks ahead for a label may be among such lines.
 """
 
 from collections.abc import Iterable, Iterator
+from typing import Final
+
+#: Instead of a line: there is none yet. Compared by identity, so that no text is taken for it.
+NOT_YET: Final = "".join(("not", " ", "yet"))
 
 
 class Source:
@@ -36,7 +42,7 @@ class Source:
         if kept or self._holds:
             return self._next_kept()
         text = next(self._lines, None)
-        if text is not None:
+        if text is not None and text is not NOT_YET:
             self.line += 1
         return text
 

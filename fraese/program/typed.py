@@ -36,7 +36,8 @@ class _Typed(Taken):
         return ""
 
 
-def _content(text: str) -> Content:
+def content_of(text: str) -> Content:
+    """A text that stands in no file, as what a file held."""
     data = text.encode()
     return taken_from(io.BytesIO(data), phrase("what was typed"), len(data))
 
@@ -62,7 +63,7 @@ def run_text(
         # A program would go back to G54 at its end.
         select_system(controller, f"G{chosen[1]}")
         return
-    program = Program(_Typed(place, _content(text), {}))
+    program = Program(_Typed(place, content_of(text), {}))
     program.name = name
     facts = program.check(controller)
     program.start(controller, facts)
