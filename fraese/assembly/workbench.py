@@ -8,7 +8,8 @@ Rule 1: nothing is noted, and no access takes any longer, until somebody listens
 """
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Final
 
 from fraese.anythread import any_thread
@@ -31,7 +32,7 @@ from fraese.motor.phases import (
 )
 from fraese.motor.pins import CONTROL_PINS, levels
 from fraese.motor.ports.sim import SimulatedMill
-from fraese.motor.ports.traced import TracedPort
+from fraese.motor.ports.traced import Note, TracedPort
 from fraese.motor.seams import Card, Clock, StepDriver
 from fraese.phrases import phrase
 
@@ -157,6 +158,25 @@ class Workbench:
             wires.untap()
             self._heard.clear()
         return True
+
+    @contextmanager
+    def recorded(self, note: Note) -> Iterator[None]:
+        """Tell somebody of every access meanwhile; begun and ended at standstill.
+
+        Raises:
+            StateError: there is metal, or somebody listens already.
+        """
+        core = self._core
+        if core is None or core.run.wires.is_tapped:
+            raise StateError(
+                phrase("The lines cannot be recorded: there is metal, or somebody listens already.")
+            )
+        wires = core.run.wires
+        wires.tap(TracedPort(wires.port, self._clock.now_ns, note))
+        try:
+            yield
+        finally:
+            wires.untap()
 
     def _note(self, at_ns: int, register: int, value: int) -> None:
         self._heard.append(Access(at_ns, register, value))

@@ -63,10 +63,16 @@ def run_text(
         # A program would go back to G54 at its end.
         select_system(controller, f"G{chosen[1]}")
         return
-    program = Program(_Typed(place, content_of(text), {}))
-    program.name = name
+    program = typed_program(text, name, place)
     facts = program.check(controller)
     program.start(controller, facts)
+
+
+def typed_program(text: str, name: str = _TYPED_LINE, place: Path = _PLACE) -> Program:
+    """Lines of G-code as a program that has no file. As for ``run_text``."""
+    program = Program(_Typed(place, content_of(text), {}))
+    program.name = name
+    return program
 
 
 def run_file(controller: Controller, path: Path, name: str) -> None:

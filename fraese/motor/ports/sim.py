@@ -108,6 +108,10 @@ class SimulatedMill:
 
     # --- a person at the machine ---------------------------------------------------------------
 
+    def feel(self, feeler: Feeler | None) -> None:
+        """From now on other things lie on the table; None: nothing does."""
+        self._feeler = feeler
+
     def look(self) -> Sight:
         """What a person sees now, everything at rest judged."""
         now_ns = self._clock.now_ns()

@@ -1,0 +1,102 @@
+"""The app that tests of others get: keys typed, the screen read, the machine touched."""
+
+from pathlib import Path
+
+import pytest
+
+from fraese.testing import App, DrivenByKeys, TookTooLong
+
+ASKING = "G21 G90\nG1 X5 F1200\nM0 (look at it)\nG1 X10\nM2\n"
+
+
+@pytest.fixture
+def part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "part.ngc"
+    file.write_text(ASKING)
+    return file
+
+
+def test_keys_drive_the_machine_and_the_screen_says_so(app: App) -> None:
+    app.press("r", "enter")
+    assert "Referenced" in app.text
+    app.press("right", "right", "up")
+    assert app.mill.carriages_mm == pytest.approx({"x": 2, "y": 1, "z": 0}, abs=0.01)
+    app.press("m")
+    app.type("G0 X30 Z-5")
+    app.press("enter")
+    assert app.mill.position_mm == {"x": 30, "y": 1, "z": -5}
+    assert "30.000" in app.text
+
+
+def test_a_program_is_opened_and_asks_and_is_answered(app: App, part: Path) -> None:
+    app.press("o")
+    app.type(part.name)
+    app.press("enter")
+    app.wait(lambda: "Start it with" in app.text, "the program to be opened")
+    app.press("s", "enter")
+    assert "look at it" in app.question
+    assert app.mill.position_mm["x"] == 5
+    assert "look at it" in app.text
+    app.press("enter")
+    assert app.question == ""
+    assert app.mill.position_mm["x"] == 10
+
+
+def test_time_stands_still_where_keys_are_to_be_pressed(app: App) -> None:
+    app.press("m")
+    app.type("G1 X50 F600")
+    # Not referenced it goes at half its rate.
+    app.freeze_at(4)
+    app.press("enter")
+    assert 15 < app.mill.position_mm["x"] < 25
+    app.mill.press("xmax")
+    app.settled()
+    assert "alarm 10" in app.text
+    app.mill.release("xmax")
+    assert 15 < app.mill.position_mm["x"] < 30
+
+
+def test_a_stop_key_brakes_in_the_middle_of_a_move(app: App) -> None:
+    app.press("m")
+    app.type("G1 X50 F600")
+    app.freeze_at(2)
+    app.press("enter", "escape")
+    app.settled()
+    assert "Cancelled" in app.text
+    assert 5 < app.mill.position_mm["x"] < 15
+    assert not any(app.mill.lost_steps.values())
+
+
+def test_a_job_has_a_limit_of_machine_time(tmp_path: Path) -> None:
+    with App(folder=tmp_path, limit_s=5) as app:
+        app.press("m")
+        app.type("G4 P50")
+        with pytest.raises(TookTooLong, match="5 s of machine time"):
+            app.press("enter")
+        app.press("escape", "right")
+        assert app.mill.position_mm["x"] == 1
+
+
+def test_commands_are_for_keys(app: App) -> None:
+    with pytest.raises(DrivenByKeys, match=r"home\(\)"):
+        app.mill.home()
+    with pytest.raises(AttributeError):
+        _ = app.mill.anything
+
+
+@pytest.fixture
+def app_size() -> tuple[int, int]:
+    return 100, 30
+
+
+@pytest.fixture
+def mill_config() -> dict[str, object]:
+    return {"axes": {"x": {"travel_mm": 99}}}
+
+
+def test_it_is_as_large_as_asked_and_keeps_a_picture(app: App, tmp_path: Path) -> None:
+    assert len(app.text.split("\n")) == 30
+    assert app.mill.state.high_mm[0] < 99
+    app.picture(tmp_path / "app.svg")
+    assert "<svg" in (tmp_path / "app.svg").read_text("utf-8")
