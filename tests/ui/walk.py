@@ -5,8 +5,10 @@ Rule 1: the clock is virtual, and nothing is shown that depends on the real one 
 Rule 2: a stop is left as it was found: dialogs are closed, the machine stands.
 """
 
+import contextlib
 import io
 import re
+import tomllib
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -17,7 +19,8 @@ from typing import Final
 from rich.console import Console
 from textual.screen import ModalScreen
 
-from fraese.assembly import assemble
+from fraese.assembly import Plant, assemble
+from fraese.cli.appsettings import AppSettings
 from fraese.config import Config
 from fraese.program.byhand import ByHand
 from fraese.program.program import open_program
@@ -53,22 +56,24 @@ G0 Z2
 M5
 M2
 """
-CONFIG: Final = Config.model_validate(
-    {
-        "standstill": {"delay_s": 0},
-        "tools": {
-            "1": {"length_mm": 31.5, "diameter_mm": 6, "remark": "end mill"},
-            "2": {"length_mm": 28, "diameter_mm": 3, "remark": "slot drill"},
-            "7": {"length_mm": 45.25, "diameter_mm": 0.2, "remark": "engraver"},
-        },
-    }
-)
+MACHINE: Final = """\
+[standstill]
+delay_s = 0
+
+[tools]
+1 = { length_mm = 31.5, diameter_mm = 6, remark = "end mill" }
+2 = { length_mm = 28, diameter_mm = 3, remark = "slot drill" }
+7 = { length_mm = 45.25, diameter_mm = 0.2, remark = "engraver" }
+"""
+CONFIG: Final = Config.model_validate(tomllib.loads(MACHINE))
 _TIME: Final = re.compile(r"\b\d\d:\d\d:\d\d\b")
 #: What was on the lines before the first step depends on when somebody pressed the key.
 _WAVES: Final = re.compile(r"\b(D\d|STR) +[▁▔│▒]+")
 _HEARD: Final = re.compile(r"\d+ accesses in [\d.]+ ms")
 #: How often the machine was asked while a message stood is the threads' affair.
 _TIMES: Final = re.compile(r" +×\d+$", re.MULTILINE)
+#: Where the thumb of a dialog's scrollbar ends depends on how much there is below.
+_THUMB: Final = re.compile("[▁▂▃▅▆▇](?= *│)")
 _ENDS: Final = re.compile(r"\bends\b(\s|&#160;)\d\d:\d\d\b")
 
 
@@ -95,22 +100,33 @@ async def app_on_the_way(folder: Path, size: tuple[int, int]) -> AsyncIterator[B
     """
     path = folder / "plate.ngc"
     path.write_text(PART)
+    (folder / "fraese.toml").write_text(MACHINE)
+    # Names of files are told as they were given.
+    with contextlib.chdir(folder):
+        app, plant = _made(path)
+        async with app.run_test(size=size) as pilot:
+            b = Bench(app, plant, pilot)
+            programs = app._programs
+            await b.wait(
+                lambda: programs.program is not None and programs.program.facts is not None
+            )
+            await b.wait(lambda: programs.look is None)
+            yield b
+
+
+def _made(program: Path) -> tuple[FraeseApp, Plant]:
     plant = assemble(CONFIG, clock="virtual")
     app = FraeseApp(
         plant.controller,
         machine_name=plant.machine_name,
         open_program=partial(open_program, apart=False),
-        program=path,
+        program=program,
         hand=plant.press,
         bench=plant.bench,
         tools=ByHand(),
+        settings=AppSettings(Path("fraese.toml"), plant.controller),
     )
-    async with app.run_test(size=size) as pilot:
-        b = Bench(app, plant, pilot)
-        programs = app._programs
-        await b.wait(lambda: programs.program is not None and programs.program.facts is not None)
-        await b.wait(lambda: programs.look is None)
-        yield b
+    return app, plant
 
 
 async def walk(b: Bench) -> AsyncIterator[Stop]:
@@ -187,6 +203,11 @@ async def walk(b: Bench) -> AsyncIterator[Stop]:
     await _at_rest(b)
     await b.press("f1")
     yield await _drawn(b, Stop("help"))
+    await b.press("escape", "f7")
+    await b.wait(lambda: "axes.x" in as_text(b))
+    yield await _drawn(b, Stop("settings", is_view=True))
+    await b.press("e")
+    yield await _drawn(b, Stop("setting"))
     await b.press("escape")
 
 
@@ -224,4 +245,4 @@ def as_text(b: Bench) -> str:
     rows = console.export_text(styles=False).split("\n")[: size.height]
     text = "\n".join(row.rstrip() for row in rows)
     text = _TIMES.sub("", _HEARD.sub("~ accesses", _WAVES.sub(r"\1 ~~~~", text)))
-    return without_time(text)
+    return without_time(_THUMB.sub(" ", text))
