@@ -10,6 +10,7 @@ from fraese.config.axes import VERTICAL, AxesConfig
 from fraese.config.axis import AxisConfig
 from fraese.config.person import KeyNames, MacroConfig
 from fraese.config.section import Section
+from fraese.config.serving import ServeConfig
 from fraese.config.simulation import SimulationConfig
 from fraese.config.wiring import (
     PULSED_PIN,
@@ -69,6 +70,7 @@ class Config(Section):
     )
     simulation: SimulationConfig = SimulationConfig()
     x4step: X4StepConfig = X4StepConfig()
+    serve: ServeConfig = ServeConfig()
     log: LogConfig = LogConfig()
     keys: dict[str, KeyNames] = Field(
         default_factory=dict,

@@ -1,0 +1,1 @@
+"""Real senders as judges of ``fraese serve``."""
