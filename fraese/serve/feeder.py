@@ -88,9 +88,12 @@ class Feeder:
 
     def next(self) -> str:
         """The next line, or ``NOT_YET``."""
-        if self._syncs and not self._at_rest():
+        if self._syncs:
             self._dry = True
-            return NOT_YET
+            if not self._at_rest():
+                return NOT_YET
+            # Who hears that it is over asks, and hears so.
+            self._modes.resting = True
         self.close()
         return self._next()
 
