@@ -145,9 +145,9 @@ def test_who_is_admitted_by_his_address(address: str, admitted: bool) -> None:
 
 
 def test_a_port_that_somebody_has_is_refused() -> None:
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        with pytest.raises(PortError, match="cannot be had"):
-            TcpDoor("127.0.0.1", taken.getsockname()[1], Access((), ""), _nothing)
+    taken = socket.create_server(("127.0.0.1", 0))
+    with taken, pytest.raises(PortError, match="cannot be had"):
+        TcpDoor("127.0.0.1", taken.getsockname()[1], Access((), ""), _nothing)
 
 
 @pytest.mark.parametrize(
