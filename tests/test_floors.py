@@ -54,7 +54,7 @@ def test_the_house_as_it_stands_breaks_nothing(house: Path) -> None:
         ("errors.py", "from fraese import blocks", "Floors"),
         ("control/jobs.py", "from fraese.program import check", "Floors"),
         ("planner/arcs.py", "from fraese.motor import seams", "Floors"),
-        ("assembly/cards.py", "from fraese.ui import keyrows", "Floors"),
+        ("kinds/card.py", "from fraese.ui import keyrows", "Floors"),
         ("doctor/board.py", "from fraese.x4step import codes", "Floors"),
         ("x4step/codes.py", "from fraese.cli import shared", "Floors"),
         ("motor/track.py", "from fraese import machine", "The world of steps"),

@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 from unittest.mock import patch
 
+from fraese.assembly import drivers
 from fraese.assembly import plant as plant_module
 from fraese.assembly.drivers import Made, Order, realtime_options
 from fraese.config.file import from_table
@@ -72,7 +73,7 @@ def main(folder: Path) -> None:
     """The app, with the program open."""
     path = folder / "part.ngc"
     path.write_text(PROGRAM)
-    with patch.object(plant_module, "DRIVERS", {"ppdev": _measured}):
+    with patch.object(drivers, "DRIVERS", {"ppdev": _measured}):
         plant = plant_module.assemble(from_table(CONFIG, "bench"), clock="paced")
     FraeseApp(plant.controller, open_program=open_program, program=path).run()
 

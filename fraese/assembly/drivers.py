@@ -3,10 +3,10 @@
     kind         who plays the blocks                         time
     simulation   the core, in this thread, on a mill          virtual, or paced by the wall
     ppdev        the core, in a process of its own            the machine's
-    devport      likewise
+    devport      likewise, and every port that lives in a package of its own
     bridge       a microcontroller, fed from this thread      the machine's
 
-Another port is a class behind the ``Port`` seam, and a row in ``PORTS`` and in ``DRIVERS``.
+Another port is a class behind the ``Port`` seam, and its record: ``kinds/port.py``.
 """
 
 from collections.abc import Callable, Mapping
@@ -21,11 +21,14 @@ from fraese.config import Config
 from fraese.config.wiring import PortConfig
 from fraese.control.endswitches import contact_bits
 from fraese.control.savedstate import SavedState
+from fraese.kinds.card import card_kind
+from fraese.kinds.port import port_opener
 from fraese.motor.awake import Awake
+from fraese.motor.bridge.cards import CardFacts
 from fraese.motor.clock import MonotonicClock, PacedClock, VirtualClock
 from fraese.motor.core import MotorCore
 from fraese.motor.ports.sim import RotorState, SimulatedMill
-from fraese.motor.seams import Card, Clock, Port, StepDriver
+from fraese.motor.seams import Card, Clock, StepDriver
 from fraese.motor.switches import SwitchInput
 from fraese.motor.waveform import Waveform
 
@@ -137,12 +140,13 @@ def realtime_options(config: Config) -> "RealtimeOptions":
     )
 
 
-def _in_real_time(order: Order) -> Made:
+def in_real_time(order: Order) -> Made:
+    """The core on the port as configured, in a process of its own."""
     # Only where there is such a port: what the child needs exists on Linux only.
     from fraese.motor.realtime.setup import Setup
 
     setup = Setup(
-        PORTS[order.config.port.kind](order.config),
+        port_opener(order.config),
         order.card,
         switch=order.switch,
         settle_s=order.settle_s,
@@ -187,18 +191,6 @@ def on_metal(
     return Made(driver, clock, _METAL_SLICE_S, awake=Awake(), trace=trace, lease=lease)
 
 
-def _ppdev(config: Config) -> Callable[[], Port]:
-    from fraese.motor.ports.ppdev import PpdevPort
-
-    return partial(PpdevPort, config.port.parallel_device)
-
-
-def _devport(config: Config) -> Callable[[], Port]:
-    from fraese.motor.ports.devport import DevPort
-
-    return partial(DevPort, config.port.base)
-
-
 def _on_bridge(order: Order) -> Made:
     return bridge_driver(
         order.config,
@@ -209,6 +201,7 @@ def _on_bridge(order: Order) -> Made:
         settle_s=order.settle_s,
         safe_outputs=order.safe_outputs,
         opening=order.opening,
+        facts=card_kind(order.config).facts(order.card, order.config.card.kind),
     )
 
 
@@ -222,6 +215,7 @@ def bridge_driver(
     settle_s: float = 0.0,
     safe_outputs: int = 0,
     opening: Opening | None = None,
+    facts: CardFacts | None = None,
 ) -> Made:
     """A microcontroller, and the waveform of what it plays, if one is wanted.
 
@@ -250,6 +244,7 @@ def bridge_driver(
             name=device,
             baud=port.baud,
             ledger=ledger_of(opening),
+            facts=facts,
         )
         sign = LifeSign(bridge, config.realtime.busy_s)
         sign.start()
@@ -274,15 +269,19 @@ def planned_driver(
     return trace.on(driver), trace
 
 
-#: Ports of metal: what opens each, as configured.
-PORTS: Final[Mapping[str, Callable[[Config], Callable[[], Port]]]] = {
-    "ppdev": _ppdev,
-    "devport": _devport,
-}
-
+#: Drivers of their own; every other port is driven by a step process.
 DRIVERS: Final[Mapping[str, Callable[[Order], Made]]] = {
     "simulation": _on_simulated_mill,
-    "ppdev": _in_real_time,
-    "devport": _in_real_time,
     "bridge": _on_bridge,
 }
+
+
+def driver(kind: str, order: Order) -> Made:
+    """The driver of that kind of port.
+
+    Raises:
+        ConfigError: if the card cannot be driven by it.
+        TraceError: if a waveform cannot be written.
+        PortError: if the port cannot be opened.
+    """
+    return DRIVERS.get(kind, in_real_time)(order)

@@ -22,6 +22,7 @@ from fraese.control.savedstate import SavedState, state_in
 from fraese.errors import ConfigError
 from fraese.journal import Holder, Journal, MachineLock, machine_file
 from fraese.journal.files import open_plain, read_all
+from fraese.kinds.port import port_kind
 from fraese.machine import Machine
 from fraese.phrases import phrase, reason
 
@@ -166,12 +167,7 @@ class Keeping:
 
 def _device(config: Config) -> str:
     """What tells machines of one kind apart."""
-    port = config.port
-    return {
-        "ppdev": port.parallel_device,
-        "devport": f"{port.base:#x}",
-        "bridge": port.device,
-    }.get(port.kind, "")
+    return port_kind(config.port).address(config.port)
 
 
 def _typed() -> str:

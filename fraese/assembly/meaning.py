@@ -11,6 +11,7 @@ from typing import Final
 from fraese.assembly.trueaxis import TrueAxis, true_axes
 from fraese.config import Config
 from fraese.control.savedstate import SavedState
+from fraese.kinds.card import card_kind
 from fraese.machine import Machine
 from fraese.phrases import phrase
 
@@ -60,9 +61,9 @@ def still_meant(
 
 
 def _of_axes(config: Config, machine: Machine) -> tuple[str, ...]:
-    table = config.card.table if config.card.kind == "smc1500" else ""
+    word = card_kind(config).word(config)
     return tuple(
-        f"{config.card.kind} {table} {axis.steps_per_mm} {axis.motor_sign} {axis.home_sign}"
+        f"{config.card.kind} {word} {axis.steps_per_mm} {axis.motor_sign} {axis.home_sign}"
         f" {axis.low_mm} {axis.high_mm} {axis.backlash_steps}{other}"
         for axis, other in zip(machine.axes, _unusual(config), strict=True)
     )
@@ -77,7 +78,7 @@ def _unusual(config: Config) -> list[str]:
 
 def _in_half_steps(kept: SavedState, config: Config, trues: tuple[TrueAxis, ...]) -> SavedState:
     """A simulated mill as older files keep it, see rule 2."""
-    if config.card.kind != "stepdir":
+    if not card_kind(config).divides:
         return kept
     scales = [float(true.half_steps_per_step) for true in trues]
     simulation = tuple(

@@ -4,15 +4,13 @@ Nothing here is refused: a motor may be an unusual one, and a simulated mill is 
 wrong configuration does. It is said, a sentence for all axes that it is true of.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from fractions import Fraction
-from typing import Final
 
-from fraese.assembly.cards import checked_table
 from fraese.assembly.trueaxis import TrueAxis, true_axes
 from fraese.config import Config
 from fraese.config.axis import AxisConfig
-from fraese.motor.phases import FULL_STEPS_PER_REV, describe_table, steps_per_rev
+from fraese.kinds.card import card_kind
 from fraese.phrases import joined, phrase
 
 
@@ -23,7 +21,7 @@ def misfits(config: Config) -> tuple[str, ...]:
         ConfigError: if the card cannot be built as configured.
     """
     axes_by_text: dict[str, list[str]] = {}
-    for name, text in (*_CARDS[config.card.kind](config), *_of_simulation(config)):
+    for name, text in (*card_kind(config).misfits(config), *_of_simulation(config)):
         axes_by_text.setdefault(text, []).append(name.upper())
     return tuple(
         joined("", (", ".join(names), ": ", text, ".")) for text, names in axes_by_text.items()
@@ -31,39 +29,8 @@ def misfits(config: Config) -> tuple[str, ...]:
 
 
 def described(config: Config) -> str:
-    """What the phase table is, a sentence; empty where there is none."""
-    if config.card.kind != "smc1500":
-        return ""
-    return phrase(
-        "card.table: {describe_table}.", describe_table=describe_table(checked_table(config.card))
-    )
-
-
-def _of_table(config: Config) -> Iterator[tuple[str, str]]:
-    """Steps of a table in a turn of any motor that is sold: half a sentence for each axis."""
-    table = checked_table(config.card)
-    known = [steps_per_rev(table, full_steps) for full_steps in FULL_STEPS_PER_REV]
-    for name, axis in config.axes.table.items():
-        if all(axis.steps_per_rev % steps for steps in known):
-            yield (
-                name,
-                phrase(
-                    "steps_per_rev {steps_per_rev} does not suit card.table ({describe_table})",
-                    steps_per_rev=axis.steps_per_rev,
-                    describe_table=describe_table(table),
-                ),
-            )
-
-
-def _of_drives(_config: Config) -> Iterator[tuple[str, str]]:
-    """Their switches may be set to anything."""
-    return iter(())
-
-
-_CARDS: Final[Mapping[str, Callable[[Config], Iterator[tuple[str, str]]]]] = {
-    "smc1500": _of_table,
-    "stepdir": _of_drives,
-}
+    """What the card is by its tables, a sentence; empty where it has none."""
+    return card_kind(config).described(config)
 
 
 def _of_simulation(config: Config) -> Iterator[tuple[str, str]]:
@@ -96,12 +63,12 @@ def _of_simulation(config: Config) -> Iterator[tuple[str, str]]:
                     travel=float(true.travel),
                 ),
             )
-        if config.card.kind != "stepdir" and config.simulation.own(true.name).microsteps:
+        if not card_kind(config).divides and config.simulation.own(true.name).microsteps:
             yield (
                 true.name,
                 phrase(
-                    "microsteps in simulation.axes has no effect: steps are made by"
-                    " card.table on {kind}",
+                    "microsteps in simulation.axes has no effect: no drive makes the steps"
+                    " on {kind}",
                     kind=config.card.kind,
                 ),
             )

@@ -1,7 +1,7 @@
 """Putting a machine together: here the peers behind each seam are known by name.
 
-Drivers with their ports and clocks have their table in ``drivers.py``, cards in ``cards.py``,
-the simulated mill its own in ``simulation.py``.
+Drivers with their clocks have their table in ``drivers.py``, cards and ports their records in
+``kinds/``, the simulated mill is put together in ``simulation.py``.
 """
 
 import secrets
@@ -12,8 +12,7 @@ from typing import Final, NamedTuple
 
 import platformdirs
 
-from fraese.assembly.cards import CARDS, turn_steps
-from fraese.assembly.drivers import DRIVERS, ClockName, Made, Order
+from fraese.assembly.drivers import ClockName, Made, Order, driver
 from fraese.assembly.keeping import Keeping, closed_on_failure
 from fraese.assembly.meaning import meaning
 from fraese.assembly.misfits import misfits
@@ -26,6 +25,7 @@ from fraese.control.asleft import left_by_crash
 from fraese.control.controller import Controller
 from fraese.control.recorder import JournalRecorder, Recorder
 from fraese.control.savedstate import SavedState
+from fraese.kinds.card import card_kind, card_of
 from fraese.log import LogFile
 from fraese.machine import Machine
 from fraese.motor.awake import Awake
@@ -194,14 +194,14 @@ def _put_together(
     folder: Path | None,
 ) -> Plant:
     keeping, state, notes, at_desk, _ = kept
-    card = CARDS[config.card.kind](config)
+    card = card_of(config)
     if state is not None:
         card.set_phases(state.phases)
     kind = "simulation" if at_desk else config.port.kind
     lock = None if keeping is None else keeping.descriptor
     session = secrets.token_hex(TOKEN_BYTES // 2)
     opening = None if keeping is None else Opening(session.encode(), keeping.path)
-    made = DRIVERS[kind](Order(config, card, clock, state, trace, lock, opening))
+    made = driver(kind, Order(config, card, clock, state, trace, lock, opening))
     log = LogFile(
         Path(config.log.file) if config.log.file else (folder or state_folder()) / "fraese.log"
     )
@@ -221,7 +221,7 @@ def _put_together(
         onlooker=onlooker,
         recorder=recorder,
     )
-    controller.position.turn_steps = turn_steps(config)
+    controller.position.turn_steps = card_kind(config).turn_steps(config)
     if state is not None:
         controller.take_up(state)
         left = left_by_crash(controller)

@@ -23,6 +23,7 @@ from fraese.control.savedstate import SavedState
 from fraese.control.survived import survived
 from fraese.errors import FraeseError
 from fraese.journal.files import create, open_plain, read_all
+from fraese.kinds.port import port_kind
 from fraese.machine import Machine
 from fraese.motor.bridge.ledger import (
     SIZE,
@@ -84,7 +85,7 @@ def known(
         to_drive: this program drives the machine; else it only looks.
     """
     opening = Opening(record.session.encode("ascii", "replace"), journal)
-    survivor = SURVIVORS.get(config.port.kind)
+    survivor = _survivor(config)
     if record.motion is None or survivor is None or len(opening.token) != TOKEN_BYTES:
         return None
     if not (to_drive or survivor.by_anyone):
@@ -185,6 +186,9 @@ def _words_file(opening: Opening) -> Path:
 _STEP_PROCESS: Final = Survivor(_last_words, by_anyone=True)
 SURVIVORS: Final[Mapping[str, Survivor]] = {
     "bridge": Survivor(_ask_bridge, by_anyone=False),
-    "ppdev": _STEP_PROCESS,
-    "devport": _STEP_PROCESS,
 }
+
+
+def _survivor(config: Config) -> Survivor | None:
+    is_opened = port_kind(config.port).opens is not None
+    return SURVIVORS.get(config.port.kind, _STEP_PROCESS if is_opened else None)

@@ -6,22 +6,19 @@ Rule 1: a step of the card is so many half-steps of the motor as its phase table
         of it; nothing that the axes are configured to be changes that.
 """
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Final
 
-from fraese.assembly.cards import phase_table
 from fraese.config import Config
 from fraese.config.axis import AxisConfig
 from fraese.config.simulation import SimulatedMotor
+from fraese.kinds.card import card_kind
 from fraese.motor.mill import Slide
-from fraese.motor.phases import FULL_STEPS_A_TURN, LEVEL_MAPS, TURN_STEPS, sense_of_table
+from fraese.motor.phases import TURN_STEPS
 from fraese.motor.rotor import RotorLimits
 
 _HALF_STEPS: Final = 2
-#: What the switches of drives can be set to.
-MICROSTEPS: Final = (1, 2, 4, 5, 8, 10, 16, 20, 25, 32, 40, 50, 64, 100, 125, 128, 200, 250, 256)
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +139,7 @@ def true_axes(config: Config) -> tuple[TrueAxis, ...]:
 
 def _true_axis(config: Config, name: str, axis: AxisConfig) -> TrueAxis:
     own, motor = config.simulation.own(name), config.simulation.motor_of(name)
-    steps_in_turn, sense = _STEPPING[config.card.kind](config, name)
+    steps_in_turn, sense = card_kind(config).stepping(config, name)
     is_linear = axis.kind == "linear"
     travel = (own.travel_mm if is_linear else own.travel_deg) or axis.travel
     return TrueAxis(
@@ -158,22 +155,3 @@ def _true_axis(config: Config, name: str, axis: AxisConfig) -> TrueAxis:
         has_switches=axis.has_switches,
         socket=(own.motor or axis.motor) - 1,
     )
-
-
-def _by_table(config: Config, _name: str) -> tuple[int, int]:
-    table = phase_table(config.card.table)
-    return len(table), sense_of_table(table, LEVEL_MAPS[config.card.levels])
-
-
-def _by_drive(config: Config, name: str) -> tuple[int, int]:
-    motor = config.simulation.motor_of(name)
-    wanted = config.axes.table[name].steps_per_rev / motor.full_steps_per_rev
-    nearest = min(MICROSTEPS, key=lambda known: abs(known - wanted))
-    return FULL_STEPS_A_TURN * (config.simulation.own(name).microsteps or nearest), 1
-
-
-#: Steps in one electrical turn, and the sense of a positive step, by card.
-_STEPPING: Final[Mapping[str, Callable[[Config, str], tuple[int, int]]]] = {
-    "smc1500": _by_table,
-    "stepdir": _by_drive,
-}

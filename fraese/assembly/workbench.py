@@ -13,12 +13,12 @@ from contextlib import contextmanager
 from typing import Final
 
 from fraese.anythread import any_thread
-from fraese.assembly.cards import phase_table
 from fraese.config import Config
 from fraese.control.benchfacts import Access, BenchFacts, MotorFacts
 from fraese.control.controller import Controller
 from fraese.control.state import Status
 from fraese.errors import StateError
+from fraese.kinds.smc1500 import phase_table
 from fraese.motor.cards.smc1500 import SmcCard
 from fraese.motor.core import MotorCore
 from fraese.motor.phases import (

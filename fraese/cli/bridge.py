@@ -16,7 +16,6 @@ from typing import Annotated, Final, NamedTuple
 import typer
 
 from fraese.assembly import tracing
-from fraese.assembly.cards import CARDS
 from fraese.assembly.drivers import planned_driver
 from fraese.blocks import CYCLES_PER_S, Q8, Block, Piece, accel_q_from_hz_s, rate_q8_from_hz
 from fraese.cli import language
@@ -26,6 +25,7 @@ from fraese.cli.output import note, say
 from fraese.cli.shared import MOTORS_OFF
 from fraese.config import Config
 from fraese.errors import PortError, UsageError
+from fraese.kinds.card import card_kind
 from fraese.motor.bridge.codec import Hello, frame
 from fraese.motor.bridge.constants import KIND_PING
 from fraese.motor.bridge.driver import BridgeDriver
@@ -175,11 +175,13 @@ def try_out(
 def _checks(place: Place, move_steps: int, trace: Path | None) -> Iterator[Check]:
     wanted = tracing.wanted(place.config, trace)
     waveform = wanted.begin() if wanted else None
-    card, clock = CARDS[place.config.card.kind](place.config), MonotonicClock()
+    kind, clock = card_kind(place.config), MonotonicClock()
+    card = kind.make(place.config)
+    facts = kind.facts(card, place.config.card.kind)
     with (
         tracing.closed_on_failure(waveform),
         closing(
-            BridgeDriver(place.line, card, clock, name=place.device, baud=place.baud)
+            BridgeDriver(place.line, card, clock, name=place.device, baud=place.baud, facts=facts)
         ) as driver,
     ):
         hello = driver.session.hello

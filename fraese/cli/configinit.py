@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -12,21 +13,12 @@ from fraese.cli.newfile import check_new, new_file
 from fraese.cli.output import say, write
 from fraese.config import file as configuration
 from fraese.config import machines
-from fraese.errors import UsageError
+from fraese.errors import ConfigError, UsageError
+from fraese.peers import CARDS
 from fraese.phrases import joined, phrase
 
 #: Answers to a question, and what each sets.
 _Choices = Mapping[str, tuple[str, Mapping[str, Mapping[str, Any]]]]
-_CARDS: Final[_Choices] = {
-    "1": (
-        phrase("phase-current card (SMC800, SMC1500), one to three motors"),
-        {"card": {"kind": "smc1500"}},
-    ),
-    "2": (
-        phrase("step and direction drives, one to four motors"),
-        {"card": {"kind": "stepdir"}},
-    ),
-}
 _PORTS: Final[_Choices] = {
     "1": (phrase("not at all yet: a simulated mill"), {"port": {"kind": "simulation"}}),
     "2": (phrase("to a parallel port of this computer"), {"port": {"kind": "ppdev"}}),
@@ -81,12 +73,24 @@ def _asked() -> str:
                 names=joined(", ", machines.names()),
             )
         )
-    card = _chosen(phrase("Which electronics drive the motors?"), _CARDS)
+    card = _chosen(phrase("Which electronics drive the motors?"), _cards())
     port = _chosen(phrase("How are they connected?"), _PORTS)
     axes = typer.prompt(phrase("Which axes are there, in the order of the sockets?"), _AXES)
     raw = {**card, **port, "axes": {"names": axes.lower().replace(",", " ").split()}}
     about = phrase("Configuration from answers")
     return configuration.annotated(configuration.from_table(raw, phrase("your answers")), about)
+
+
+def _cards() -> _Choices:
+    """Every card that there is."""
+    found: dict[str, str] = {}
+    for kind in CARDS.names:
+        with suppress(ConfigError):  # One that cannot be used is no choice.
+            found[kind] = CARDS.record(kind).about
+    return {
+        str(number): (about, {"card": {"kind": kind}})
+        for number, (kind, about) in enumerate(found.items(), 1)
+    }
 
 
 def _chosen(question: str, choices: _Choices) -> Mapping[str, Mapping[str, Any]]:

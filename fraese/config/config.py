@@ -8,14 +8,13 @@ from pydantic import Field, field_validator, model_validator
 
 from fraese.config.axes import VERTICAL, AxesConfig
 from fraese.config.axis import AxisConfig
+from fraese.config.chosen import known_card, known_port
 from fraese.config.person import KeyNames, MacroConfig
 from fraese.config.section import Section
 from fraese.config.serving import ServeConfig
 from fraese.config.simulation import SimulationConfig
 from fraese.config.wiring import (
     PULSED_PIN,
-    PULSED_PORTS,
-    SOCKETS,
     CardConfig,
     OutputsConfig,
     PortConfig,
@@ -119,7 +118,7 @@ class Config(Section):
 
     def _check_sockets(self) -> None:
         kind = self.card.kind
-        names, most = self.axes.names, SOCKETS[kind]
+        names, most = self.axes.names, known_card(kind).sockets
         if len(names) > most:
             raise ValueError(
                 phrase(
@@ -239,7 +238,7 @@ class Config(Section):
             )
 
     def _check_outputs(self) -> None:
-        taken = {"smc1500": {1}, "stepdir": {16, 17}}[self.card.kind]
+        taken = set(known_card(self.card.kind).taken_pins)
         for name, output in self.outputs.configured():
             if output.pin in taken:
                 raise ValueError(
@@ -257,7 +256,7 @@ class Config(Section):
         laser = self.outputs.laser
         if laser is None or not laser.pwm:
             return
-        if self.port.kind not in PULSED_PORTS:
+        if not known_port(self.port.kind).sets_power:
             raise ValueError(
                 phrase(
                     "outputs.laser.pwm needs port.kind bridge; with {kind} a laser is on or off",

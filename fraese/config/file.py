@@ -9,17 +9,19 @@ Rule 3: a complaint names file and key, says what is wrong and what would be rig
 import os
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
 import platformdirs
 from pydantic import ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from fraese.config.axes import AxesConfig
 from fraese.config.axis import LinearAxis, RotaryAxis
+from fraese.config.chosen import NameOf
 from fraese.config.config import Config
 from fraese.config.section import Section, Truth
 from fraese.config.simulation import SimulatedAxis
@@ -275,7 +277,7 @@ def _annotate(section: Section, path: str, lines: list[str]) -> None:
             continue  # one of the letters that this machine has not
         if type(section) in _NAMED_AT_WILL and key not in section.model_fields_set:
             continue  # the example above it has every key
-        lines.append(f"# {field.description}{_one_of(field.annotation)}{bounds_of(field.metadata)}")
+        lines.append(f"# {field.description}{_one_of(field)}{bounds_of(field.metadata)}")
         if not path and key in _BY_EXAMPLE:
             lines += [f"#{line}" for line in _BY_EXAMPLE[key]]
             continue
@@ -328,8 +330,11 @@ def _example(annotation: Any) -> str:
     return next(iter([*tables, *numbers]))
 
 
-def choices_of(annotation: Any) -> tuple[Any, ...]:
+def choices_of(annotation: Any, metadata: Sequence[Any] = ()) -> tuple[Any, ...]:
     """What a field may be, if that is a list; also one that may be left out."""
+    for item in metadata:
+        if isinstance(item, NameOf):
+            return item.seam.names
     may_be_left_out = type(None) in get_args(annotation)
     for option in get_args(annotation) if may_be_left_out else (annotation,):
         if get_origin(option) is Literal:
@@ -337,8 +342,8 @@ def choices_of(annotation: Any) -> tuple[Any, ...]:
     return ()
 
 
-def _one_of(annotation: Any) -> str:
-    choices = ", ".join(str(choice) for choice in choices_of(annotation))
+def _one_of(field: FieldInfo) -> str:
+    choices = ", ".join(str(each) for each in choices_of(field.annotation, field.metadata))
     return f" One of: {choices}." if ", " in choices else ""
 
 

@@ -124,8 +124,9 @@ def _default(field: FieldInfo, usual: Any, name: str) -> Any:
 
 
 def _setting(key: str, field: FieldInfo, value: Any, usual: Any, raw: Any) -> Setting:
-    choices = tuple(str(each) for each in choices_of(field.annotation))
-    kinds = {type(each) for each in choices_of(field.annotation)} or _kinds(field.annotation)
+    found = choices_of(field.annotation, field.metadata)
+    choices = tuple(str(each) for each in found)
+    kinds = {type(each) for each in found} or _kinds(field.annotation)
     return Setting(
         key,
         field.description or "",

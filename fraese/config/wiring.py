@@ -1,26 +1,18 @@
 """What is wired to what: card, port, outputs, switches, probe, and the current at standstill."""
 
-import re
-from collections.abc import Mapping
-from typing import Final, Literal
+from typing import Annotated, Final, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 
+from fraese.config.chosen import NameOf, known_port
 from fraese.config.section import Section
-from fraese.phrases import phrase
+from fraese.peers import CARDS, PORTS
 
 #: DB25 pins of the status register.
 StatusPin = Literal[10, 11, 12, 13, 15]
 
-#: Motors that a card drives at most.
-SOCKETS: Final[Mapping[str, int]] = {"smc1500": 3, "stepdir": 4}
-
-#: Ports that set a laser's power by pulses; on a simulated mill it is seen as on or off.
-PULSED_PORTS: Final = frozenset({"bridge", "simulation"})
 #: The only pin behind which a board has a timer for it.
 PULSED_PIN: Final = 14
-
-_DEVICE = re.compile(r"(/[^\x00-\x1f\x7f]{1,200}|COM[0-9]{1,3})?")
 
 
 class OutputConfig(Section):
@@ -98,7 +90,7 @@ class OutputsConfig(Section):
 class CardConfig(Section):
     """The electronics between port and motors."""
 
-    kind: Literal["smc1500", "stepdir"] = Field(
+    kind: Annotated[str, NameOf(CARDS)] = Field(
         "smc1500",
         description=(
             'Phase-current card ("smc1500", also SMC800) or step/direction drives ("stepdir").'
@@ -132,7 +124,7 @@ class CardConfig(Section):
 class PortConfig(Section):
     """How the registers are reached."""
 
-    kind: Literal["simulation", "ppdev", "devport", "bridge"] = Field(
+    kind: Annotated[str, NameOf(PORTS)] = Field(
         "simulation",
         description=(
             "The simulated mill; a parallel port by its driver, or by its address (root only); a"
@@ -165,11 +157,10 @@ class PortConfig(Section):
 
     @field_validator("device")
     @classmethod
-    def _full_path(cls, value: str) -> str:
-        if not _DEVICE.fullmatch(value):
-            raise ValueError(
-                phrase("must be the full path of a device file, such as /dev/parport0")
-            )
+    def _as_the_port_has_it(cls, value: str, info: ValidationInfo) -> str:
+        kind = info.data.get("kind")  # none if that was refused already
+        if kind is not None and (fault := known_port(kind).device_fault(value)):
+            raise ValueError(fault)
         return value
 
     @property

@@ -15,6 +15,7 @@ from fraese.config import Config
 from fraese.control.endswitches import contact_bits
 from fraese.doctor.opening import Board, Opening, Stage
 from fraese.errors import PortError
+from fraese.kinds.card import card_kind
 from fraese.motor.bridge.connection import Connection
 from fraese.motor.bridge.fromcard import card_facts
 from fraese.motor.bridge.greeting import PATIENCE_S
@@ -85,7 +86,7 @@ class _Trial:
     def _connection(self, open_line: OpenLine, clock: MonotonicClock, device: str) -> Connection:
         switches = self._config.switches
         facts = card_facts(
-            self._card,
+            card_kind(self._config).facts(self._card, self._config.card.kind),
             SwitchInput(*contact_bits(switches), switches.readings),
             settle_cycles=0,
             safe_outputs=self._config.outputs.mask("laser"),

@@ -15,8 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from fraese.assembly.cards import CARDS
-from fraese.assembly.drivers import PORTS, realtime_options
+from fraese.assembly.drivers import realtime_options
 from fraese.config import Config
 from fraese.doctor import timing
 from fraese.doctor.board import try_board
@@ -25,8 +24,10 @@ from fraese.doctor.kernel import KERNEL_CHECKS
 from fraese.doctor.motors import MOTOR_CHECKS
 from fraese.doctor.opening import Opening
 from fraese.doctor.parallel import try_port
-from fraese.doctor.port import PORT_CHECKS
+from fraese.doctor.port import port_checks
 from fraese.doctor.timing import Say, Timing
+from fraese.kinds.card import card_of
+from fraese.kinds.port import port_opener
 from fraese.motor.awake import Awake
 from fraese.motor.ports.facts import describe
 from fraese.motor.ports.null import NullPort
@@ -77,9 +78,9 @@ def examine(
         ConfigError: if the card cannot be built as configured.
         PortError: if the step process does not start.
     """
-    card = CARDS[config.card.kind](config)
+    card = card_of(config)
     patient = admit(config, card, root)
-    checks = (*PORT_CHECKS[config.port.kind], *MOTOR_CHECKS, *KERNEL_CHECKS)
+    checks = (*port_checks(config.port.kind), *MOTOR_CHECKS, *KERNEL_CHECKS)
     findings = list(ask(checks, patient))
     duty = timing.duty_of(card, realtime_options(config))
     cores = max(1, len(patient.kernel.cores))
@@ -113,7 +114,7 @@ def admit(config: Config, card: Card, root: Path = Path("/")) -> Patient:
 
 
 def _really(config: Config, card: Card, _root: Path) -> Opening:
-    return try_port(PORTS[config.port.kind](config), card)
+    return try_port(port_opener(config), card)
 
 
 def _nothing(_config: Config, _card: Card, _root: Path) -> Opening:

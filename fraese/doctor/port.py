@@ -5,6 +5,7 @@
     bridge       device file, permission, USB               greeted, told its card, tried
     ppdev        device file, permission, lp                claimed alone
     devport      /dev/port, permission, lockdown, ppdev     locked
+    another      nothing                                    as its package does
 
 Rule 1: the port is opened once, before the checks (``opening.py``). A check only judges.
 Rule 2: a refusal is told in the port's own sentence; it says what would help.
@@ -242,3 +243,10 @@ PORT_CHECKS: Final[Mapping[str, Sequence[Check]]] = {
         _ioport, _may_use_ioport, _lockdown_of_ioport, _better_way, _opened, _inputs, _outputs,
     ),
 }  # fmt: skip
+#: Of a port that lives in a package of its own.
+_OF_ANOTHER: Final[Sequence[Check]] = (_opened, _inputs, _outputs)
+
+
+def port_checks(kind: str) -> Sequence[Check]:
+    """The checks of that kind of port."""
+    return PORT_CHECKS.get(kind, _OF_ANOTHER)

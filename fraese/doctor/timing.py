@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from fraese.config import Config
 from fraese.doctor.findings import Finding, State
-from fraese.motor.cards.stepdir import STEPDIR_PROFILES
+from fraese.kinds.card import card_kind
 from fraese.motor.realtime.kernel import KernelFacts
 from fraese.motor.realtime.measure import (
     Duty,
@@ -44,8 +44,6 @@ RATES_HZ: Final = (
     500.0, 1000.0, 2000.0, 3000.0, 5000.0, 7000.0, 10_000.0, 14_000.0, 20_000.0, 30_000.0,
     50_000.0, 70_000.0, 100_000.0, 133_000.0,
 )  # fmt: skip
-#: A phase card follows no faster; the field's programs reach 5 kHz.
-_SMC_LIMIT_HZ: Final = 20_000.0
 #: Each rate is tried for this share of the time of a measurement.
 _RUNG_SHARE: Final = 0.25
 
@@ -105,11 +103,7 @@ def duty_of(card: Card, options: RealtimeOptions) -> Duty:
 
 def limit_hz(config: Config) -> float:
     """What the card can follow at most."""
-    limits = {
-        "smc1500": _SMC_LIMIT_HZ,
-        "stepdir": float(STEPDIR_PROFILES[config.card.profile].max_rate_hz),
-    }
-    return limits[config.card.kind]
+    return card_kind(config).limit_hz(config)
 
 
 def rates_to_try(limit: float, wanted_hz: float) -> list[float]:

@@ -19,10 +19,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from fraese.assembly import tracing
-from fraese.assembly.drivers import PORTS, bridge_driver, on_metal, real_time_driver
+from fraese.assembly.drivers import bridge_driver, on_metal, real_time_driver
 from fraese.config import Config
 from fraese.config.x4step import LptConfig
 from fraese.errors import PortError
+from fraese.kinds.port import port_opener
 from fraese.motor.awake import Awake
 from fraese.motor.cards.control import OutputPin
 from fraese.motor.cards.stepdir import ACTIVE_PIN, BOOST_PIN, STEPDIR_PROFILES, StepDirCard
@@ -154,7 +155,7 @@ def open_lpt(wanted: Wanted) -> Opened:
     Raises:
         PortError: if it is not there, forbidden, or somebody else has it.
     """
-    return OPENERS[wanted.port.kind](wanted)
+    return OPENERS.get(wanted.port.kind, _in_real_time)(wanted)
 
 
 def set_pin(mill: SimulatedMill, pin: int, high: bool) -> None:
@@ -218,7 +219,7 @@ def realtime_setup(wanted: Wanted, open_port: Callable[[], Port] | None = None) 
     realtime = wanted.config.realtime
     as_port = wanted.config.model_copy(update={"port": wanted.port})
     return Setup(
-        open_port or PORTS[wanted.port.kind](as_port),
+        open_port or port_opener(as_port),
         x4step_card(wanted.port),
         switch=NO_SWITCH,
         settle_s=0.0,
@@ -237,7 +238,5 @@ def _on_bridge(wanted: Wanted) -> Opened:
 
 OPENERS: Final[Mapping[str, Callable[[Wanted], Opened]]] = {
     "simulation": _simulation,
-    "ppdev": _in_real_time,
-    "devport": _in_real_time,
     "bridge": _on_bridge,
 }

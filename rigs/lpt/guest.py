@@ -214,15 +214,15 @@ def lockdown() -> Said:
 
 def looked_over(kind: str) -> Said:
     """The doctor looks at port and kernel; how late steps are cannot be told under emulation."""
-    from fraese.assembly.cards import CARDS
     from fraese.config.file import from_table
     from fraese.doctor import admit
     from fraese.doctor.findings import ask
     from fraese.doctor.kernel import KERNEL_CHECKS
     from fraese.doctor.port import PORT_CHECKS
+    from fraese.kinds.card import card_of
 
     config = from_table({"port": {"kind": kind}}, "guest")
-    patient = admit(config, CARDS[config.card.kind](config))
+    patient = admit(config, card_of(config))
     return {
         finding.name: (finding.state.value, finding.found, finding.change)
         for finding in ask((*PORT_CHECKS[kind], *KERNEL_CHECKS), patient)

@@ -335,8 +335,7 @@ ROTARY: dict[str, Any] = {
         ),
         (
             {"simulation": {"axes": {"x": {"microsteps": 3}}}},
-            "X: microsteps in simulation.axes has no effect: steps are made by card.table on"
-            " smc1500.",
+            "X: microsteps in simulation.axes has no effect: no drive makes the steps on smc1500.",
         ),
         (
             ROTARY,

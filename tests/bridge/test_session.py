@@ -10,7 +10,7 @@ from fraese.motor.bridge import constants as c
 from fraese.motor.bridge.cards import CardFacts
 from fraese.motor.bridge.codec import Hello
 from fraese.motor.bridge.connection import Connection
-from fraese.motor.bridge.fromcard import card_facts
+from fraese.motor.bridge.fromcard import card_facts, facts_of
 from fraese.motor.bridge.session import DEAF_S, STUCK_S, Session
 from fraese.motor.cards.stepdir import StepDirCard
 from fraese.motor.clock import VirtualClock
@@ -122,7 +122,7 @@ def test_silence_counts_only_while_it_is_listened_to() -> None:
 def test_firmware_that_cannot_swap_motors_is_told_apart() -> None:
     """Before 1.1 a socket of clock and direction is known by its motor only."""
     facts = card_facts(
-        StepDirCard(sockets=(1, 0)),
+        facts_of(StepDirCard(sockets=(1, 0))),
         SwitchInput(0x80, 0, 3),
         settle_cycles=0,
         safe_outputs=0,

@@ -10,6 +10,7 @@ from fraese.motor.cards.smc1500 import SmcCard
 from fraese.motor.cards.stepdir import STEPDIR_PROFILES, StepDirCard
 from fraese.motor.phases import PHASE_TABLES
 from fraese.motor.seams import CONTROL, DATA, STATUS, Card, Entries, IdleLevel
+from tests.beside import example
 
 SMC_OUTPUTS = (OutputPin(14), OutputPin(17, active_high=False))
 STEPDIR_OUTPUTS = (OutputPin(1), OutputPin(14, active_high=False))
@@ -28,6 +29,9 @@ PEERS: dict[str, Callable[[], Card]] = {
     "stepdir with enable": lambda: StepDirCard(outputs=STEPDIR_OUTPUTS, enable=1),
     "stepdir upside down": lambda: StepDirCard(clock_idles_high=True, forward_high=False),
     "smc, two motors": lambda: SmcCard(motors=2),
+    "uln2003, of a package of its own": lambda: example("uln2003", "fraese_uln2003.card").UlnCard(
+        SMC_OUTPUTS
+    ),
 }
 
 

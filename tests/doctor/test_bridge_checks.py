@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 
-from fraese.assembly.cards import CARDS
 from fraese.doctor.board import try_board
 from fraese.doctor.bridge import BRIDGE_CHECKS
 from fraese.doctor.findings import Finding, Patient, State, ask
 from fraese.doctor.opening import Board, Opening, Stage
+from fraese.kinds.card import card_of
 from fraese.motor.bridge.codec import Hello
 from fraese.motor.bridge.trial import Carried
 from fraese.motor.bridge.usb import SerialFacts, serial_facts
@@ -138,7 +138,7 @@ def test_where_nothing_can_be_read_nothing_is_said(tmp_path: Path) -> None:
 
 def opened(device: str, **sections: Any) -> Opening:
     config = configured(port={"kind": "bridge", "device": device}, **sections)
-    return try_board(config, CARDS[config.card.kind](config))
+    return try_board(config, card_of(config))
 
 
 def test_a_board_that_is_not_there_is_told_in_the_lines_own_words(tmp_path: Path) -> None:

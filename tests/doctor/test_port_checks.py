@@ -12,7 +12,6 @@ from typing import Any
 
 import pytest
 
-from fraese.assembly.drivers import DRIVERS
 from fraese.doctor.findings import Finding, Patient, State, ask
 from fraese.doctor.opening import Opening
 from fraese.doctor.parallel import try_port
@@ -22,6 +21,7 @@ from fraese.motor.cards.control import OutputPin
 from fraese.motor.cards.smc1500 import SmcCard
 from fraese.motor.ports.facts import DeviceFacts, output_pins
 from fraese.motor.ports.null import NullPort
+from fraese.peers import PORTS
 from tests.doctor.ward import DEVPORT, by_name, patient, put, sound_machine
 from tests.rigs.lpt.fakeport import AT_REST, CONTACT, FakePort, missing
 
@@ -149,7 +149,7 @@ def test_outputs_are_left_off_whatever_the_claim_did() -> None:
 
 
 def test_every_kind_of_port_has_its_checks() -> None:
-    assert set(PORT_CHECKS) == set(DRIVERS)
+    assert set(PORT_CHECKS) == set(PORTS.ours)
 
 
 def test_pins_are_told_from_registers() -> None:

@@ -3,10 +3,10 @@
 from pathlib import Path
 from typing import Any
 
-from fraese.assembly.cards import CARDS
 from fraese.config import Config
 from fraese.doctor.findings import Finding, Patient
 from fraese.doctor.opening import Opening
+from fraese.kinds.card import card_of
 from fraese.motor.ports.facts import describe, status_lines
 from fraese.motor.ports.null import NullPort
 from fraese.motor.realtime.kernel import kernel_facts
@@ -90,7 +90,7 @@ def patient(
     config: Config = configured(**{**PPDEV, **sections})
     return Patient(
         config=config,
-        card=CARDS[config.card.kind](config),
+        card=card_of(config),
         port=describe(config.port.parallel_device, root),
         opening=opening or opened(),
         kernel=kernel_facts(PRIORITY, root),

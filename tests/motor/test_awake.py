@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from fraese.assembly import drivers
 from fraese.assembly import plant as plant_module
 from fraese.assembly.drivers import DRIVERS, Made, Order, on_metal
 from fraese.config import Config
@@ -82,7 +83,7 @@ def test_with_metal_the_machine_sleeps_only_when_all_is_closed(
         made = DRIVERS["simulation"](order)
         return on_metal(made.driver, made.clock)
 
-    monkeypatch.setattr(plant_module, "DRIVERS", {"bridge": metal})
+    monkeypatch.setattr(drivers, "DRIVERS", {"bridge": metal})
     plant = plant_module.assemble(Config.model_validate({"port": {"kind": "bridge"}}))
     assert plant.awake is not None
     assert plant.awake.held

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fraese.assembly.cards import CARDS
 from fraese.errors import ConfigError
+from fraese.kinds.card import card_of
 from fraese.motor.phases import (
     LEVEL_MAPS,
     MOTRUN,
@@ -145,13 +145,13 @@ def test_so_are_finer_ones_as_fine_as_four_levels_make_them(table: bytes) -> Non
 def test_a_table_by_which_no_motor_turns(table: bytes, fault: str) -> None:
     assert fault in fault_of_table(table, FIELD)
     with pytest.raises(ConfigError, match=r"card\.table \(\d+ entries: .* once round"):
-        CARDS["smc1500"](configured(card={"table": table.hex(" ")}))
+        card_of(configured(card={"table": table.hex(" ")}))
 
 
 def test_with_the_other_map_of_levels_a_fine_table_runs_to_and_fro() -> None:
     assert "turns the field back" in fault_of_table(EIGHTHS, SEED)
     with pytest.raises(ConfigError, match=r"with card\.levels seed"):
-        CARDS["smc1500"](configured(card={"table": EIGHTHS.hex(), "levels": "seed"}))
+        card_of(configured(card={"table": EIGHTHS.hex(), "levels": "seed"}))
 
 
 @given(table=st.binary(min_size=1, max_size=32))

@@ -25,9 +25,10 @@ from fraese.blocks import CYCLES_PER_S, Q8, Block
 from fraese.errors import PortError
 from fraese.motor.blockqueue import require_sound
 from fraese.motor.bridge import constants as c
+from fraese.motor.bridge.cards import CardFacts
 from fraese.motor.bridge.codec import Status
 from fraese.motor.bridge.connection import LEVELS, MODES, Connection
-from fraese.motor.bridge.fromcard import card_facts
+from fraese.motor.bridge.fromcard import card_facts, facts_of
 from fraese.motor.bridge.greeting import PATIENCE_S
 from fraese.motor.bridge.ledger import Ledger
 from fraese.motor.bridge.line import OpenLine
@@ -61,10 +62,10 @@ class BridgeDriver:
         capacity: blocks that are taken before they are played, 250 at most.
         safe_outputs: free outputs that are off whenever the motors stand (a laser).
         silence_s: so long may the host call nothing while motors run or have current.
-        name: of the line, for sentences.
-        baud: its rate, likewise.
+        name, baud: of the line, for sentences.
         patience_s: so long is the first greeting repeated.
         ledger: is told what the next program must know of a device that lives on; closed with this.
+        facts: of the card, for the device; None: as they are known of its class.
 
     Raises:
         PortError: if the device is not there, or not one.
@@ -84,18 +85,17 @@ class BridgeDriver:
         baud: int = c.DEFAULT_BAUD,
         patience_s: float = PATIENCE_S,
         ledger: Ledger = Ledger(),  # noqa: B008 (writes nothing)
+        facts: CardFacts | None = None,
     ) -> None:
         facts = card_facts(
-            card,
+            facts or facts_of(card),
             switch,
             settle_cycles=round(settle_s * CYCLES_PER_S),
             safe_outputs=safe_outputs,
             silence_ms=round(silence_s * 1000),
         )
         self._connection = Connection(open_line, clock, facts, name, baud, patience_s)
-        self._card = card
-        self._clock = clock
-        self._name = name
+        self._card, self._clock, self._name = card, clock, name
         self._capacity = capacity
         self._mode = SwitchMode.STOP
         self._override_q8 = self._override_sent_q8 = Q8

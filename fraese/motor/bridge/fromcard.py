@@ -1,12 +1,13 @@
-"""Cards of this program as facts for the device: one function and one row for each.
+"""Cards of this program as facts for the device: one function for each.
 
-Another card is a function here, if the device can play it.
+Another card has such a function in its record, if the device can play it: ``kinds/card.py``.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from fraese.errors import PortError
 from fraese.motor.bridge.cards import CardFacts, Lamp, Line, nearest_rate
 from fraese.motor.bridge.constants import CARD_CLOCKS, CARD_PHASES
 from fraese.motor.cards.control import OutputPin
@@ -16,6 +17,7 @@ from fraese.motor.phases import MOTZERO, motor_bits
 from fraese.motor.pins import CONTROL_PINS
 from fraese.motor.seams import Card
 from fraese.motor.switches import SwitchInput
+from fraese.phrases import phrase
 
 
 def pin_line(pin: int, active_high: bool = True) -> Line:
@@ -34,7 +36,8 @@ def _lamp(pins: Sequence[OutputPin]) -> Lamp | None:
     return Lamp(nearest_rate(pulsed[0].pulses_hz), pulsed[0].active_high) if pulsed else None
 
 
-def _smc_facts(card: SmcCard) -> CardFacts:
+def smc_facts(card: SmcCard) -> CardFacts:
+    """Of a phase card: its tables."""
     return CardFacts(
         kind=CARD_PHASES,
         motors=card.motors,
@@ -50,7 +53,8 @@ def _smc_facts(card: SmcCard) -> CardFacts:
     )
 
 
-def _stepdir_facts(card: StepDirCard) -> CardFacts:
+def stepdir_facts(card: StepDirCard) -> CardFacts:
+    """Of step/direction drives: their lines."""
     return CardFacts(
         kind=CARD_CLOCKS,
         motors=card.motors,
@@ -70,26 +74,46 @@ def _stepdir_facts(card: StepDirCard) -> CardFacts:
     )
 
 
+#: For who has a card and no configuration.
 FACTS: Final[Mapping[type, Callable[[Any], CardFacts]]] = {
-    SmcCard: _smc_facts,
-    StepDirCard: _stepdir_facts,
+    SmcCard: smc_facts,
+    StepDirCard: stepdir_facts,
 }
 
 
+def facts_of(card: Card) -> CardFacts:
+    """What the device must know of a card of ours.
+
+    Raises:
+        PortError: if it cannot play such a card.
+    """
+    facts = FACTS.get(type(card))
+    if facts is None:
+        raise PortError(
+            phrase("The bridge cannot play a card of the kind {name}.", name=type(card).__name__)
+        )
+    return facts(card)
+
+
 def card_facts(
-    card: Card, switch: SwitchInput, *, settle_cycles: int, safe_outputs: int, silence_ms: int
+    facts: CardFacts,
+    switch: SwitchInput,
+    *,
+    settle_cycles: int,
+    safe_outputs: int,
+    silence_ms: int,
 ) -> CardFacts:
     """What the device is told.
 
     Args:
-        card: a class with a row in ``FACTS``.
+        facts: of the card, by itself.
         switch: the shared end-switch input.
         settle_cycles: wait after energising.
         safe_outputs: outputs that are off whenever the motors stand.
         silence_ms: longest silence of the host.
     """
     return replace(
-        FACTS[type(card)](card),
+        facts,
         safe=safe_outputs,
         settle_cycles=settle_cycles,
         switch_mask=switch.mask,
