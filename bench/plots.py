@@ -5,7 +5,7 @@ A small chart in SVG needs no library: axes, a few lines, words.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from fraese.motor.mill import Mill, Slide
 from fraese.motor.ports.recorder import Recorder
 from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import DATA
+from fraese.peers import RAMPS
 from fraese.planner.lines import plan_line
 from fraese.planner.planner import Planner
 
@@ -164,6 +165,42 @@ def short_move(machine: Machine) -> Chart:
     )
 
 
+def laws(machine: Machine) -> Chart:
+    """A long straight move by each law."""
+    curves: dict[str, Curve] = {}
+    for name in RAMPS.ours:
+        block = plan_line(replace(machine, ramp=name), (1600, 0, 0))
+        assert block is not None
+        curves[name] = rates([block])
+    return Chart(
+        "1600 steps by each law: the highest acceleration is the same", "time, s", "steps/s", curves
+    )
+
+
+def accelerations(machine: Machine) -> Chart:
+    """The acceleration of the way up."""
+    curves: dict[str, Curve] = {}
+    for name in RAMPS.ours:
+        block = plan_line(replace(machine, ramp=name), (1600, 0, 0))
+        assert block is not None
+        up = [
+            ((a + b) / 2, (after - before) / (b - a))
+            for (a, before), (b, after) in pairwise(rates([block]))
+            if a < 0.3
+        ]
+        means = [
+            (sum(at for at, _ in up[k : k + 8]) / 8, sum(value for _, value in up[k : k + 8]) / 8)
+            for k in range(0, len(up) - 8, 4)
+        ]
+        curves[name] = [(at, max(0.0, value)) for at, value in means]
+    return Chart(
+        "The same: acceleration on the way up, means of eight steps",
+        "time, s",
+        "steps/s per second",
+        curves,
+    )
+
+
 def corners(machine: Machine) -> Chart:
     """The same path with and without look-ahead."""
     path = [(4.0, 0.0, 0.0), (8.0, 1.0, 0.0), (11.0, 4.0, 0.0), (11.0, 8.0, 0.0), (5.0, 8.0, 0.0)]
@@ -226,7 +263,7 @@ def main() -> None:
     """Write all pictures next to the page that shows them."""
     machine = Machine.from_config(Config())
     folder = Path(__file__).parent.parent / "docs"
-    for make in (ramp, short_move, corners, hold):
+    for make in (ramp, short_move, laws, accelerations, corners, hold):
         name = folder / f"motion-{make.__name__.replace('_', '-')}.svg"
         name.write_text(make(machine).svg(), "utf-8")
         print(name)

@@ -140,9 +140,17 @@ def _axis(name: str, config: AxisConfig, pull_off_mm: float) -> Axis:
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """All axes, in motor order."""
+    """All axes, in motor order, and how they are accelerated.
+
+    Attributes:
+        axes: in motor order.
+        ramp: name of the law of all ramps.
+        jerk_s: the shortest time in which acceleration comes to its full value, where it is told.
+    """
 
     axes: tuple[Axis, ...]
+    ramp: str = "linear"
+    jerk_s: float = 0.05
 
     @classmethod
     def from_config(cls, config: Config) -> "Machine":
@@ -150,7 +158,9 @@ class Machine:
         return cls(
             tuple(
                 _axis(name, axis, config.pull_off(axis)) for name, axis in config.axes.table.items()
-            )
+            ),
+            config.planner.ramp,
+            config.planner.jerk_ms / 1000,
         )
 
     @property

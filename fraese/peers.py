@@ -3,6 +3,7 @@
     seam    key            a package of its own says, in its pyproject.toml
     CARDS   card.kind      [project.entry-points."fraese.cards"]   name = "module:RECORD"
     PORTS   port.kind      [project.entry-points."fraese.ports"]   name = "module:RECORD"
+    RAMPS   planner.ramp   [project.entry-points."fraese.ramps"]   name = "module:RECORD"
 
 Rule 1: a name leads to a record, by "module:RECORD", ours like theirs. Nothing is imported before
         it is asked for: so the configuration asks by name for what only higher floors know.
@@ -131,5 +132,15 @@ PORTS: Final = Seam(
         "ppdev": "fraese.kinds.port:PPDEV",
         "devport": "fraese.kinds.port:DEVPORT",
         "bridge": "fraese.kinds.port:BRIDGE",
+    },
+)
+RAMPS: Final = Seam(
+    "planner.ramp",
+    "fraese.ramps",
+    "fraese.planner.laws:RampKind",
+    {
+        "linear": "fraese.planner.laws:LINEAR",
+        "sine": "fraese.planner.laws:SINE",
+        "s-curve": "fraese.planner.laws:S_CURVE",
     },
 )

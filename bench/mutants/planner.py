@@ -75,7 +75,7 @@ MUTANTS: Final = (
         "planner/ramps: intervals are rounded to the faster side",
         "a rate is a little above the highest one",
         _P + "ramps.py",
-        "return min(_LONGEST_Q8, math.ceil(_UNITS_PER_S / rate_hz))",
+        "return min(_LONGEST_Q8, math.ceil(UNITS_PER_S / rate_hz))",
         "return min(_LONGEST_Q8, math.floor(_UNITS_PER_S / rate_hz))",
         tests_of("planner/test_ramps.py", "test_a_rate_is_played_no_faster_than_it_was_meant"),
     ),
@@ -136,5 +136,21 @@ MUTANTS: Final = (
         tests_of(
             "planner/test_ramps.py", "test_straight_moves_take_hardly_longer_than_the_optimum"
         ),
+    ),
+    Mutant(
+        "planner/laws: a sine is taken to reach as far as constant acceleration",
+        "a ramp comes to half as much again as the axes can follow, and steps are lost",
+        _P + "laws.py",
+        "return rate2 + self.mean * twice * way",
+        "return rate2 + twice * way",
+        (_T + "test_laws.py",),
+    ),
+    Mutant(
+        "planner/shapedwindow: ramps are cut like any line",
+        "the acceleration goes to nothing twenty times a second: the machine hums and shakes",
+        _P + "shapedwindow.py",
+        "return _MORE * max(self._law.way(low, wanted, segment.twice_mm_s2) for low in lows)",
+        "return 0.0 * max(self._law.way(low, wanted, segment.twice_mm_s2) for low in lows)",
+        (_T + "test_laws.py",),
     ),
 )

@@ -1,12 +1,14 @@
 """How the machine is worked with: reference run, jogging, programs, planning, tools, log."""
 
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
 from fraese.config.axes import AxisName
+from fraese.config.chosen import NameOf
 from fraese.config.section import NotNegative, Positive, Section
+from fraese.peers import RAMPS
 from fraese.phrases import phrase
 
 
@@ -185,6 +187,19 @@ class PlannerConfig(Section):
         description=(
             "Longer moves are cut into blocks of this time, s, so that an override acts soon."
         ),
+    )
+    ramp: Annotated[str, NameOf(RAMPS)] = Field(
+        "linear",
+        description=(
+            "How rates change: with constant acceleration, or one that comes and goes, never above"
+            " that of the axes."
+        ),
+    )
+    jerk_ms: float = Field(
+        50,
+        gt=0,
+        le=1000,
+        description="Time in which the acceleration comes to its full value at least, s-curve, ms.",
     )
     window: int = Field(
         200, ge=8, le=10_000, description=("Segments that the look-ahead holds at most.")

@@ -17,9 +17,11 @@ from fraese.blocks import (
 )
 from fraese.feedway import groups_of
 from fraese.machine import Machine, Steps
+from fraese.planner.laws import law_of
 from fraese.planner.measure import path_length_mm
 from fraese.planner.ramps import trapezoid
 from fraese.planner.segments import start_rate_hz
+from fraese.planner.shaped import shaped_law
 from fraese.planner.timing import WEIGHT_PER_MM2
 
 
@@ -131,12 +133,16 @@ def plan_line(
         override_q8 = round(override_q8 * cruise_hz / wanted_hz)
     cruise_hz = limits.outside_bands_hz(cruise_hz)
     edge_hz = limits.edge_hz(cruise_hz)
+    law, accel_hz_s = law_of(machine), limits.acceleration_hz_s
+    if law is None:
+        pieces = trapezoid(limits.ticks, edge_hz, cruise_hz, edge_hz, accel_hz_s)
+    else:
+        rates2 = edge_hz**2, cruise_hz**2, edge_hz**2
+        pieces = shaped_law(law, limits.ticks, *rates2, 2 * accel_hz_s)
     return Block(
         steps=tuple(n * axis.motor_sign for n, axis in zip(delta_steps, machine.axes, strict=True)),
-        pieces=tuple(
-            trapezoid(limits.ticks, edge_hz, cruise_hz, edge_hz, limits.acceleration_hz_s)
-        ),
-        accel_q=accel_q_from_hz_s(limits.acceleration_hz_s),
+        pieces=tuple(pieces),
+        accel_q=accel_q_from_hz_s(accel_hz_s),
         jump_rate_q8=rate_q8_from_hz(limits.start_hz),
         weight=limits.weight,
         ends_at_rest=True,

@@ -86,6 +86,10 @@ class Window:
         """Enough has arrived for another pass."""
         return self._fresh >= _BATCH or self._fresh_s >= self._batch_s
 
+    def ramp_mm(self, segment: Segment) -> float:
+        """Length at either end of a long line that is not to be cut; 0: it may be cut anywhere."""
+        return 0.0
+
     def __len__(self) -> int:
         return len(self._segments)
 

@@ -20,10 +20,11 @@ from fraese.blocks import DARK, OVERRIDES, Q8, RAPID_OVERRIDES, Block, Outputs, 
 from fraese.feedway import GROUPS
 from fraese.machine import Machine, Steps
 from fraese.planner.arcs import Point, arc_shape, curve_mm_s, planes_of
-from fraese.planner.lookahead import Window
+from fraese.planner.laws import law_of
 from fraese.planner.merging import Chain
 from fraese.planner.options import Options, PathMode
 from fraese.planner.segments import UNLIMITED, limits_of
+from fraese.planner.shapedwindow import window_for
 from fraese.planner.targets import NO_BEAM, Beam, Targets
 from fraese.planner.timing import BlockMaker
 
@@ -60,7 +61,8 @@ class Planner:
         self._planes = planes_of(machine.names)
         # Points are merged while no other axis moves.
         self._followers = [n for n, name in enumerate(machine.names) if name not in GROUPS[0]]
-        self._maker = BlockMaker(machine)
+        self._law = law_of(machine)
+        self._maker = BlockMaker(machine, self._law)
         self._exact_stop = False
         self._tolerance_mm = 0.0
         self._override = self._rapid = 1.0
@@ -71,9 +73,7 @@ class Planner:
 
     def _begin_at(self, position_steps: Steps, slack_steps: Steps) -> None:
         options = self._options
-        window = Window(
-            self._limits, self._maker, options.window, options.min_block_s, options.batch_s
-        )
+        window = window_for(self._law, self._limits, self._maker, options)
         window.set_override(self._override, self._rapid)
         self._window = window
         self._targets = Targets(

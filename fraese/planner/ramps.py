@@ -8,7 +8,7 @@ r"""Time laws: what the leading axis does along a line, as pieces of integers.
 
 Rule 1: within a piece the interval changes by the same amount each tick; the true law is convex,
         so a chord lies above it: what is played is never faster than what was meant.
-Rule 2: a piece ends where the squared rate has grown by ``_GROWTH``. Along a chord the
+Rule 2: a piece ends where the squared rate has grown by ``GROWTH``. Along a chord the
         acceleration goes with the cube of the rate: it is at most 9 % too steep at its fast end
         and as much too flat at its slow end.
 Rule 3: a braking ramp is the mirror image of the same ramp upwards, to the cycle.
@@ -24,16 +24,18 @@ from fraese.blocks import CYCLES_PER_S, Q8, Piece
 #: Ticks at constant rate between acceleration and braking on a short move.
 CREST_TICKS: Final = 4
 
-_GROWTH: Final = 0.125
+#: A piece ends where the squared rate has grown by this share.
+GROWTH: Final = 0.125
 #: Each tick of a piece may lose 1/256 cycle to the rounding of ``add``: never more than one cycle.
 _MOST_TICKS: Final = Q8 + 1
-_UNITS_PER_S: Final = CYCLES_PER_S * Q8
-_TWICE_UNITS: Final = 2 * _UNITS_PER_S
+#: Units of an interval in a second.
+UNITS_PER_S: Final = CYCLES_PER_S * Q8
+_TWICE_UNITS: Final = 2 * UNITS_PER_S
 #: An interval must fit 32 bits without sign: the slowest rate is a little under one tick a second.
 _LONGEST_Q8: Final = 0xFFFF_FFFF
 
 #: The same in ticks a second.
-SLOWEST_HZ: Final = _UNITS_PER_S / _LONGEST_Q8
+SLOWEST_HZ: Final = UNITS_PER_S / _LONGEST_Q8
 
 _new = tuple.__new__
 _sqrt = math.sqrt
@@ -42,7 +44,7 @@ _ceil = math.ceil
 
 def interval_q8(rate_hz: float) -> int:
     """Interval of a rate, in 1/256 cycle, rounded up to the slower side."""
-    return min(_LONGEST_Q8, math.ceil(_UNITS_PER_S / rate_hz))
+    return min(_LONGEST_Q8, math.ceil(UNITS_PER_S / rate_hz))
 
 
 def ramp_up(start_hz2: float, twice_hz_s: float, ticks: int) -> list[Piece]:
@@ -54,7 +56,7 @@ def ramp_up(start_hz2: float, twice_hz_s: float, ticks: int) -> list[Piece]:
         ticks: length of the ramp; 0 gives no piece.
     """
     pieces: list[Piece] = []
-    per_tick = _GROWTH / twice_hz_s
+    per_tick = GROWTH / twice_hz_s
     squared, rate = start_hz2, _sqrt(start_hz2)
     done = 0
     while done < ticks:

@@ -140,7 +140,8 @@ class Targets:
         )
         if outputs is not None:
             self.outputs = None
-        if watch is None and segment.length_mm > self._longest_mm(segment):
+        uncut_mm = max(self._longest_mm(segment), 2 * self._window.ramp_mm(segment))
+        if watch is None and segment.length_mm > uncut_mm:
             self.streaming = True
             return self._in_parts(segment, way_mm)
         self._window.append(segment, self.exact_stop)
@@ -158,10 +159,7 @@ class Targets:
         exact_stop, outputs, window = self.exact_stop, whole.outputs, self._window
         ticks, at = whole.ticks, 0
         while at < ticks:
-            # Equal parts of what is left; an override that has changed since makes other ones.
-            share = self._longest_mm(whole) / whole.length_mm
-            parts = min(ticks - at, math.ceil((ticks - at) / (ticks * share) - _SAME))
-            before, at = at, at + -(-(ticks - at) // max(1, parts))
+            before, at = at, at + self._part(whole, at)
             there = tuple([(2 * n * at + ticks) // (2 * ticks) for n in whole.steps])
             steps = tuple(map(sub, there, done))
             done = there
@@ -175,6 +173,24 @@ class Targets:
             if window.due:
                 yield from window.settle()
         self.streaming = False
+
+    def _part(self, whole: Segment, at: int) -> int:
+        """Ticks of the next part of a long line, after so many of them.
+
+        Equal parts of what is left; an override that has changed since makes other ones. A ramp of
+        a law that is not to be cut is a part of its own, at the beginning and at the end.
+        """
+        ticks = whole.ticks
+        ramp = math.ceil(self._window.ramp_mm(whole) / whole.length_mm * ticks)
+        if ramp and not at:
+            return min(ramp, ticks)
+        left = ticks - at
+        if ramp and left <= ramp:
+            return left
+        left -= ramp
+        share = self._longest_mm(whole) / whole.length_mm
+        parts = min(left, math.ceil(left / (ticks * share) - _SAME))
+        return -(-left // max(1, parts))
 
     def _take_up(self, steps: Steps, tag: int, watch: Watch | None) -> None:
         """Before axes turn round, the steps that only their motors make."""

@@ -10,8 +10,10 @@ from typing import Final
 
 from fraese.blocks import CYCLES_PER_S, DARK, Q8, Block, Piece, Power, few_bits
 from fraese.machine import Machine
+from fraese.planner.laws import Law
 from fraese.planner.ramps import interval_q8, time_law
 from fraese.planner.segments import KEPT, UNLIMITED, Segment
+from fraese.planner.shaped import shaped_law
 
 #: Path energy is counted in (mm / 65536 / s)**2, an integer for every machine.
 WEIGHT_PER_MM2: Final = 65536**2
@@ -29,9 +31,11 @@ class BlockMaker:
 
     Args:
         machine: which way the motors turn.
+        law: of all ramps; None: constant acceleration.
     """
 
-    def __init__(self, machine: Machine) -> None:
+    def __init__(self, machine: Machine, law: Law | None = None) -> None:
+        self._law = law
         self._signs = tuple(axis.motor_sign for axis in machine.axes)
         self._straight = all(sign == 1 for sign in self._signs)
         #: Overrides that segments are planned with, 256 for 100 %: of feeds, and of rapids.
@@ -56,15 +60,14 @@ class BlockMaker:
             pieces: tuple[Piece, ...] = (Piece(ticks, interval_q8(_sqrt(cruise_mm2_s2) * per_mm)),)
         else:
             squared = per_mm * per_mm
-            pieces = tuple(
-                time_law(
-                    ticks,
-                    entry_mm2_s2 * squared,
-                    cruise_mm2_s2 * squared,
-                    exit_mm2_s2 * squared,
-                    twice_mm_s2 * per_mm,
+            entry_hz2, exit_hz2 = entry_mm2_s2 * squared, exit_mm2_s2 * squared
+            cruise_hz2, twice_hz_s = cruise_mm2_s2 * squared, twice_mm_s2 * per_mm
+            if self._law is None:
+                pieces = tuple(time_law(ticks, entry_hz2, cruise_hz2, exit_hz2, twice_hz_s))
+            else:
+                pieces = tuple(
+                    shaped_law(self._law, ticks, entry_hz2, cruise_hz2, exit_hz2, twice_hz_s)
                 )
-            )
         steps = segment.steps
         if not self._straight:
             steps = tuple(map(mul, steps, self._signs))

@@ -1,7 +1,7 @@
 """Planned motion on the core and the simulated mill: nothing is lost, whatever comes between."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import pytest
 from hypothesis import given, settings
@@ -21,7 +21,13 @@ from fraese.motor.seams import CONTROL, Ended, Report
 from fraese.planner.planner import Options, Planner
 from tests.planner.motion import Point, machine, run, total_steps, uneven
 
-MACHINES = {"built-in": machine(), "uneven": uneven(), "lash": machine(backlash_steps=7)}
+MACHINES = {
+    "built-in": machine(),
+    "uneven": uneven(),
+    "lash": machine(backlash_steps=7),
+    "sine": replace(uneven(), ramp="sine"),
+    "s-curve": replace(machine(), ramp="s-curve"),
+}
 LEVELS = (100, 60, 20, 0)
 
 
