@@ -41,7 +41,7 @@ class SettingDialog(Dialog[Any]):
     """
 
     AREA = Area.SETTING
-    YES = "Write"
+    YES = spoken("Write")
 
     def __init__(
         self,

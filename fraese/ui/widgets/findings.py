@@ -186,7 +186,7 @@ def finding(test: Test, width: int, *, running: bool) -> list[str]:
             made=facts.made,
             approaches=facts.approaches,
         )
-        words = [facts.words()] if facts.made > 1 else []
+        words = [shown(facts.words())] if facts.made > 1 else []
         return [head, "", *histogram(facts, width), "", *words]
     if isinstance(test, BacklashTest):
         return _backlash(test.facts(), width)
