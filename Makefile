@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test fuzz monkey mutate campaign looks tour engravings coverage check format clean firmware rig-avr rig-lpt
+.PHONY: run test fuzz monkey mutate campaign looks tour engravings coverage check format clean firmware images manual rig-avr rig-lpt
 
 run: $(READY)
 	$(BIN)/fraese
@@ -68,6 +68,14 @@ format: $(READY)
 # The image for the ATmega328P; needs gcc-avr, binutils-avr and avr-libc.
 firmware:
 	$(if $(wildcard firmware/Makefile),$(MAKE) -C firmware,@echo "there is no firmware/ here")
+
+# The images that are installed with the program, built anew; likewise.
+images: $(READY)
+	$(BIN)/python -m rigs.images
+
+# Man page and completion for shells, as the program is.
+manual: $(READY)
+	$(BIN)/python -m rigs.manual
 
 # The simulated ATmega328P, into .rig-cache/; the tests build it by themselves.
 rig-avr: $(READY)

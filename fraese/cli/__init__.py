@@ -1,5 +1,6 @@
 """The command line: the composition root."""
 
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -7,6 +8,7 @@ from typing import Annotated
 import typer
 from typer.core import TyperGroup
 
+from fraese.cli import completion
 from fraese.cli.language import LanguageOption, as_the_system, named_in, translated
 from fraese.cli.options import ConfigOption, FreshOption, StateOption, TraceOption
 from fraese.cli.output import open_standard_files
@@ -81,4 +83,6 @@ def main() -> None:
     open_standard_files()
     named_in(sys.argv[1:])
     as_the_system()
+    if completion.ASKED_BY in os.environ:
+        completion.get_ready()
     translated(typer.main.get_command(app))()

@@ -32,6 +32,7 @@ MODULES: Final[Mapping[str, str]] = {
         "trace": "trace",
         "engrave": "engrave",
         "alarms": "alarms",
+        "completion": "completion",
     }.items()
     for name in names.split()
 }

@@ -1,0 +1,1 @@
+complete --command fraese --no-files --arguments "(env _FRAESE_COMPLETE=complete_fish _TYPER_COMPLETE_FISH_ACTION=get-args _TYPER_COMPLETE_ARGS=(commandline -cp) fraese)" --condition "env _FRAESE_COMPLETE=complete_fish _TYPER_COMPLETE_FISH_ACTION=is-args _TYPER_COMPLETE_ARGS=(commandline -cp) fraese"
