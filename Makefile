@@ -3,7 +3,8 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test fuzz monkey mutate campaign looks tour engravings coverage check format clean firmware images manual rig-avr rig-lpt
+.PHONY: run test fuzz monkey mutate campaign looks tour engravings coverage check format clean firmware images manual site \
+	rig-avr rig-lpt
 
 run: $(READY)
 	$(BIN)/fraese
@@ -76,6 +77,14 @@ images: $(READY)
 # Man page and completion for shells, as the program is.
 manual: $(READY)
 	$(BIN)/python -m rigs.manual
+
+# The documentation as a site, in build/site; a link that leads nowhere is an error.
+site: .venv/.site-ready
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+
+.venv/.site-ready: $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	@touch $@
 
 # The simulated ATmega328P, into .rig-cache/; the tests build it by themselves.
 rig-avr: $(READY)
