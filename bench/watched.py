@@ -34,6 +34,8 @@ _VIEWS: Final = {
 }  # fmt: skip
 #: A picture begins with this, where the terminal takes pictures whole.
 _PICTURE: Final = b"\x1b[?2026h"
+#: A terminal says so.
+_TAKES_PICTURES: Final = b"\x1b[?2026;2$y"
 _WATCHED_S: Final = 10.0
 _PATIENCE_S: Final = 120.0
 #: Where the child tells what happened: a letter and nanoseconds a line.
@@ -188,6 +190,7 @@ def shares(folder: str) -> None:
     app = Watched(folder)
     try:
         app.wait_for(b"Start it with s")
+        app.type(_TAKES_PICTURES)
         app.start()
         app.read(3)
         share, pictures = app.watched()

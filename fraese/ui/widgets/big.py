@@ -1,5 +1,6 @@
 """An axis and its number, as large as there is room for: its letter as tall as its digits."""
 
+from collections.abc import Sequence
 from typing import Final
 
 from rich.segment import Segment
@@ -58,7 +59,8 @@ class AxisNumber(Widget):
         """One line of the letter and the digits."""
         width, choice = self.size.width, font_for(self.size)
         if choice is None:
-            letters, digits = [self.letter], [self.value]
+            letters: Sequence[str] = [self.letter]
+            digits: Sequence[str] = [self.value]
         else:
             font, double = choice
             letters = font.lines(self.letter, double=double)

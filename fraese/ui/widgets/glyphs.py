@@ -8,12 +8,13 @@ A dot is one column wide and half a row high; or two columns wide and one row hi
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 _HALVES: Final = {"  ": " ", "# ": "▀", " #": "▄", "##": "█"}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Font:
     """Glyphs of one height.
 
@@ -29,16 +30,17 @@ class Font:
         """Rows of the screen that it takes."""
         return self.dots if double else self.dots // 2
 
-    def lines(self, text: str, *, double: bool = False) -> list[str]:
+    @lru_cache(maxsize=256)  # noqa: B019 (the fonts live as long as the program)
+    def lines(self, text: str, *, double: bool = False) -> tuple[str, ...]:
         """A text, a blank column between its glyphs; what has none is drawn as a blank."""
         glyphs = [self.glyphs.get(char, self.glyphs[" "]) for char in text]
         rows = [" ".join(glyph[row] for glyph in glyphs) for row in range(self.dots)]
         if double:
-            return ["".join("██" if dot == "#" else "  " for dot in row) for row in rows]
-        return [
+            return tuple("".join("██" if dot == "#" else "  " for dot in row) for row in rows)
+        return tuple(
             "".join(_HALVES[a + b] for a, b in zip(rows[at], rows[at + 1], strict=True))
             for at in range(0, self.dots, 2)
-        ]
+        )
 
 
 def _drawn(names: str, *rows: str) -> dict[str, tuple[str, ...]]:

@@ -1,5 +1,6 @@
 """The state of the machine over the full width: a word, large, on a colour that says the same."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rich.cells import cell_len
@@ -90,7 +91,7 @@ class BigWord(Fact):
         """In large letters, or as it is."""
         return Content("\n".join(self._lines(self.size)))
 
-    def _lines(self, room: Size) -> list[str]:
+    def _lines(self, room: Size) -> Sequence[str]:
         for double in (True, False):
             lines = THIN.lines(self.text.upper(), double=double)
             if room.height >= THIN.rows(double=double) and len(lines[0]) <= room.width:
