@@ -18,7 +18,7 @@ from fraese.assembly.meaning import meaning
 from fraese.assembly.misfits import misfits
 from fraese.assembly.onlooker import MillOnlooker
 from fraese.assembly.survivors import Opening
-from fraese.assembly.tracing import Trace, Wanted, wanted
+from fraese.assembly.tracing import Trace, Wanted, recorded, wanted
 from fraese.assembly.workbench import Workbench
 from fraese.config import Config
 from fraese.control.asleft import left_by_crash
@@ -131,7 +131,7 @@ def assemble(
         fresh: forget what was kept.
         at_desk: nothing is to move or to be written: a simulated mill will do, metal is left
             alone, and another program may drive it.
-        trace: a waveform file to be written; None: none is.
+        trace: a waveform file to be written; None: as ``port.record`` says, none at a desk.
 
     Raises:
         TraceError: if the waveform file cannot be written.
@@ -140,6 +140,8 @@ def assemble(
         PortError: if the port cannot be opened.
     """
     machine = Machine.from_config(config)
+    if trace is None and not at_desk:
+        trace = recorded(config.port)
     kept = _what_is_kept(config, machine, state, fresh=fresh, at_desk=at_desk)
     with closed_on_failure(kept.keeping):
         return _put_together(config, machine, kept, clock, wanted(config, trace), state)

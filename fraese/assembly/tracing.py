@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Protocol
 
 from fraese.config import Config
+from fraese.config.wiring import PortConfig
 from fraese.kinds.card import card_kind
 from fraese.motor.meaning import Meaning
 from fraese.motor.ports.traced import TracedPort
@@ -63,6 +64,11 @@ class Wanted:
 def _meaning(config: Config) -> Meaning:
     kind = card_kind(config)
     return Meaning(kind.pins(config), partial(kind.decoder, config))
+
+
+def recorded(port: PortConfig) -> Path | None:
+    """The waveform file that the configuration wants of every command; None: none."""
+    return Path(port.record).expanduser() if port.record else None
 
 
 def wanted(config: Config, path: Path | None) -> Wanted | None:

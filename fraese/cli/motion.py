@@ -10,7 +10,7 @@ from fraese.cli.leaving import leave
 from fraese.cli.looking import Looking, tell_others
 from fraese.cli.options import VALUES, FileArgument, HeightMapOption, with_options
 from fraese.cli.output import note
-from fraese.cli.shared import Answering, Drive, Place, StartingPlace
+from fraese.cli.shared import Answering, Drive, OpenPlace, StartingPlace
 from fraese.cli.switchwatch import watch_switches
 from fraese.control.asleft import take_as_left
 from fraese.control.controller import Controller
@@ -218,7 +218,7 @@ def frame(
 
 @app.command()
 @with_options
-def switches(on: Place) -> None:
+def switches(on: OpenPlace) -> None:
     """Press each end switch by hand and see it; nothing moves. Ends with Ctrl+C."""
 
     def go() -> int:
@@ -227,6 +227,8 @@ def switches(on: Place) -> None:
             return watch_switches(plant.controller, as_json=on.as_json)
         finally:
             plant.close()
+            if plant.trace is not None:
+                note(plant.trace.waveform.sentence())
 
     leave(go, on.as_json)
 
@@ -238,7 +240,7 @@ def zero(
         list[str] | None, typer.Argument(metavar="[AXES]", help="As in X Y; all by default.")
     ] = None,
     *,
-    on: Place,
+    on: OpenPlace,
 ) -> None:
     """Make the present position the work zero."""
 
@@ -251,7 +253,7 @@ def zero(
 
 @app.command()
 @with_options
-def trust(on: Place) -> None:
+def trust(on: OpenPlace) -> None:
     """Take the position as a crash left it, where the motors find back to it; nothing moves.
 
     Only if nobody has pushed an axis since. What is known of the position, fraese where says.

@@ -4,6 +4,7 @@ A command says which options it shares by the type of its parameter ``on``
 (``options.with_options``):
 
     Place          --config --json --state
+    OpenPlace      ... and --trace
     StartingPlace  ... and --fresh
     Drive          ... and --real-time --trace
     Answering      ... and --yes --answer
@@ -98,6 +99,13 @@ class Place:
                 raise
 
         leave(go, self.as_json)
+
+
+@dataclass(frozen=True)
+class OpenPlace(Place):
+    """Options of a command that opens the port, and moves nothing."""
+
+    trace: TraceOption = None
 
 
 @dataclass(frozen=True)

@@ -144,6 +144,13 @@ class PortConfig(Section):
         le=2_000_000,
         description='Rate of the serial port, for "bridge": the one the firmware was built for.',
     )
+    record: str = Field(
+        "",
+        description=(
+            "Waveform file (.vcd) of all that goes over the port, of the latest command; empty:"
+            " none is written. --trace comes before it."
+        ),
+    )
     base: int = Field(
         0x378,
         ge=0x100,

@@ -112,7 +112,7 @@ class Wanted:
         port: its own table.
         make_clock: the time of a simulated port.
         record: write every access down.
-        trace: waveform file; None: none is wanted.
+        trace: waveform file; None: as ``record`` of the port says.
     """
 
     lpt: int
@@ -125,9 +125,8 @@ class Wanted:
     @property
     def waveform(self) -> tracing.Wanted | None:
         """The waveform that is wanted."""
-        if self.trace is None:
-            return None
-        return tracing.Wanted(self.trace, f"lpt{self.lpt}", Meaning(LINE_NAMES))
+        path = self.trace or tracing.recorded(self.port)
+        return tracing.Wanted(path, f"lpt{self.lpt}", Meaning(LINE_NAMES)) if path else None
 
 
 def port_config(config: Config, lpt: int) -> LptConfig:

@@ -196,3 +196,31 @@ def test_a_disk_that_fills_up_ends_the_file_and_not_the_job(folder: Path) -> Non
     looked = run("trace", "job.vcd", "--json")
     assert looked.exit_code == 0, looked.output
     assert json.loads(looked.stdout)["to_s"] > 0.1
+
+
+@pytest.mark.parametrize("words", ["switches", "zero"])
+def test_a_command_that_only_opens_the_port_shows_what_it_wrote(folder: Path, words: str) -> None:
+    result = run(*words.split(), "--trace", "job.vcd")
+    assert "job.vcd" in result.output
+    assert "pin11_switches" in Wave(folder / "job.vcd").changes
+
+
+def test_a_file_in_the_configuration_is_of_the_latest_command(folder: Path) -> None:
+    (folder / "fraese.toml").write_text('[port]\nrecord = "mill.vcd"\n' + STEP_DIRECTION)
+    for way, steps in (("X1", 200), ("X1.5", 100)):
+        said = answer("move", way, "--machine")
+        assert said["trace"]["file"] == "mill.vcd"
+        assert len(Wave(folder / "mill.vcd").edges("pin03_x_clock", "1")) == steps
+    before = (folder / "mill.vcd").read_bytes()
+    answer("where")
+    assert (folder / "mill.vcd").read_bytes() == before
+    answer("move", "X1", "--machine", "--trace", "other.vcd")
+    assert (folder / "mill.vcd").read_bytes() == before
+    assert len(Wave(folder / "other.vcd").edges("pin03_x_clock", "1")) == 100
+
+
+def test_a_file_in_the_configuration_that_cannot_be_written_is_a_sentence(folder: Path) -> None:
+    (folder / "fraese.toml").write_text('[port]\nrecord = "nowhere/mill.vcd"\n')
+    result = run("move", "X1")
+    assert result.exit_code == 2
+    assert "nowhere/mill.vcd" in result.output
