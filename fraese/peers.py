@@ -4,6 +4,7 @@
     CARDS   card.kind      [project.entry-points."fraese.cards"]   name = "module:RECORD"
     PORTS   port.kind      [project.entry-points."fraese.ports"]   name = "module:RECORD"
     RAMPS   planner.ramp   [project.entry-points."fraese.ramps"]   name = "module:RECORD"
+    WORDS   (M100 to M199) [project.entry-points."fraese.words"]   M110 = "module:RECORD"
 
 Rule 1: a name leads to a record, by "module:RECORD", ours like theirs. Nothing is imported before
         it is asked for: so the configuration asks by name for what only higher floors know.
@@ -144,3 +145,5 @@ RAMPS: Final = Seam(
         "s-curve": "fraese.planner.laws:S_CURVE",
     },
 )
+#: Words of the language that fraese leaves to others.
+WORDS: Final = Seam("M-code", "fraese.words", "fraese.gcode.userwords:Word", {})

@@ -162,8 +162,8 @@ MUTANTS: Final = (
         "control/runloop: outputs outlive a job that failed",
         "the spindle runs on after an alarm",
         _C + "runloop.py",
-        '("laser",) if self.status is Status.OK else ("laser", "spindle", "coolant")',
-        '("laser",)',
+        "self._config.outputs.off_after(done=done)",
+        "self._config.outputs.off_after(done=True)",
         tests_of("program/test_program.py", "test_after_a_cancel_no_spindle_runs"),
     ),
     Mutant(

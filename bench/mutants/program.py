@@ -144,4 +144,12 @@ MUTANTS: Final = (
             "test_m49_holds_the_feed_against_an_override_that_comes_while_it_moves",
         ),
     ),
+    Mutant(
+        "program/userwords: a program of one's own outlives a cancel",
+        "what M101 has started goes on while the operator reaches into the machine",
+        "fraese/program/userwords.py",
+        "            _end(process)\n",
+        "            process.poll()\n",
+        ("tests/program/test_userwords.py",),
+    ),
 )

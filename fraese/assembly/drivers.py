@@ -82,7 +82,7 @@ class Order:
     @property
     def safe_outputs(self) -> int:
         """Outputs that are off whenever the motors stand."""
-        return self.config.outputs.mask("laser")
+        return self.config.outputs.off_at_rest
 
 
 class Made(NamedTuple):

@@ -9,14 +9,13 @@ from pydantic import Field, field_validator, model_validator
 from fraese.config.axes import VERTICAL, AxesConfig
 from fraese.config.axis import AxisConfig
 from fraese.config.chosen import known_card, known_port
+from fraese.config.outputs import PULSED_PIN, OutputsConfig
 from fraese.config.person import KeyNames, MacroConfig
 from fraese.config.section import Section
 from fraese.config.serving import ServeConfig
 from fraese.config.simulation import SimulationConfig
 from fraese.config.wiring import (
-    PULSED_PIN,
     CardConfig,
-    OutputsConfig,
     PortConfig,
     ProbeConfig,
     RealtimeConfig,

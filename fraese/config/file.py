@@ -23,6 +23,7 @@ from fraese.config.axes import AxesConfig
 from fraese.config.axis import LinearAxis, RotaryAxis
 from fraese.config.chosen import NameOf
 from fraese.config.config import Config
+from fraese.config.outputs import OwnOutput
 from fraese.config.section import Section, Truth
 from fraese.config.simulation import SimulatedAxis
 from fraese.config.solid import SimulatedSolid
@@ -78,6 +79,7 @@ _NAMED_AT_WILL: Mapping[type[Section], str] = {
     ToolConfig: "1",
     SimulatedAxis: "x",
     SimulatedSolid: "plate",
+    OwnOutput: "air",
 }
 
 

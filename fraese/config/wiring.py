@@ -1,6 +1,6 @@
 """What is wired to what: card, port, outputs, switches, probe, and the current at standstill."""
 
-from typing import Annotated, Final, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
@@ -10,81 +10,6 @@ from fraese.peers import CARDS, PORTS
 
 #: DB25 pins of the status register.
 StatusPin = Literal[10, 11, 12, 13, 15]
-
-#: The only pin behind which a board has a timer for it.
-PULSED_PIN: Final = 14
-
-
-class OutputConfig(Section):
-    """One free output on a control pin."""
-
-    in_one_line = "{ pin = 14, active_high = true }"
-
-    pin: Literal[1, 14, 16, 17] = Field(description="DB25 pin of the control register.")
-    active_high: bool = Field(True, description="Whether a high pin means on.")
-
-
-class LaserConfig(OutputConfig):
-    """A laser on a free output, and whether S sets its power."""
-
-    pwm: bool = Field(
-        False,
-        description=(
-            "S sets the power by pulses (on a bridge, pin 14), with M4 in proportion to the speed;"
-            " else the laser is on or off."
-        ),
-    )
-    power_max_s: float = Field(1000, gt=0, le=1e6, description="The S word of full power.")
-    pwm_hz: float = Field(
-        1000,
-        ge=61,
-        le=62_500,
-        description=(
-            "Pulses a second; the nearest of 61, 122, 244, 488, 977, 1953, 7812 and 62500 is taken."
-        ),
-    )
-
-
-class OutputsConfig(Section):
-    """What hangs on the free outputs; what is not named is switched by hand."""
-
-    spindle: OutputConfig | None = Field(None, description="Spindle relay.")
-    coolant: OutputConfig | None = Field(None, description="Coolant or extraction relay.")
-    laser: LaserConfig | None = Field(
-        None,
-        description=(
-            "Laser: follows M3, M4, M5 and S0 without a stop, dark along rapids and whenever the"
-            " motors stand."
-        ),
-    )
-    enable: OutputConfig | None = Field(
-        None,
-        description=(
-            "Enable line of step/direction drives; without it their current cannot be switched off."
-        ),
-    )
-
-    heartbeat: OutputConfig | None = Field(
-        None,
-        description=(
-            "Charge pump: toggles while the step loop of a parallel port lives, for drives that"
-            " switch off without it."
-        ),
-    )
-
-    def configured(self) -> list[tuple[str, OutputConfig]]:
-        """Names and pins of the outputs there are; the place is the bit that a driver knows."""
-        return [(name, output) for name, output in self if output is not None]
-
-    def bit(self, name: str) -> int | None:
-        """Bit of an output, or None where nothing hangs on it."""
-        names = [name for name, _ in self.configured()]
-        return names.index(name) if name in names else None
-
-    def mask(self, *names: str) -> int:
-        """Bits of those of these outputs that there are."""
-        bits = (self.bit(name) for name in names)
-        return sum(1 << bit for bit in bits if bit is not None)
 
 
 class CardConfig(Section):

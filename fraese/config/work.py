@@ -115,6 +115,13 @@ class RunConfig(Section):
         (),
         description="Which of M100 to M199 programs may have without effect; others are refused.",
     )
+    m_code_folder: str = Field(
+        "",
+        description=(
+            "Folder with programs M100 to M199 that these codes carry out, with P and Q, and all"
+            " rights that you have; empty: none is."
+        ),
+    )
     list_unit: Literal["mm", "inch"] = Field(
         "mm", description="Unit of coordinate lists that do not say theirs."
     )
@@ -136,10 +143,10 @@ class RunConfig(Section):
             return "every" if value else "never"
         return value
 
-    @field_validator("subroutine_folders")
+    @field_validator("subroutine_folders", "m_code_folder")
     @classmethod
-    def _are_whole(cls, value: tuple[str, ...]) -> tuple[str, ...]:
-        for folder in value:
+    def _are_whole(cls, value: str | tuple[str, ...]) -> str | tuple[str, ...]:
+        for folder in (value or "~",) if isinstance(value, str) else value:
             if not (folder.startswith("~") or Path(folder).is_absolute()):
                 raise ValueError(
                     phrase('"{folder}" is no whole path; begin it with / or ~', folder=folder[:80])
@@ -155,6 +162,11 @@ class RunConfig(Section):
                     phrase("M{code} is none of M100 to M199, which are the user's own", code=code)
                 )
         return value
+
+    @property
+    def programs(self) -> Path | None:
+        """Where programs for M100 to M199 lie; None: nowhere."""
+        return Path(self.m_code_folder).expanduser() if self.m_code_folder else None
 
     @property
     def folders(self) -> tuple[Path, ...]:

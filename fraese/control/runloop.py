@@ -335,8 +335,8 @@ class RunLoop:
             self.message = str(self.error)
         self._own_up()
         # Cutting ends with the job; what was cancelled or failed also leaves no spindle running.
-        ended = ("laser",) if self.status is Status.OK else ("laser", "spindle", "coolant")
-        if mask := self._config.outputs.mask(*ended):
+        done = self.status is Status.OK
+        if mask := self._config.outputs.off_after(done=done):
             self._driver.set_outputs(mask, 0)
         self._keep_progress()
 

@@ -89,7 +89,7 @@ class _Trial:
             card_kind(self._config).facts(self._card, self._config.card.kind),
             SwitchInput(*contact_bits(switches), switches.readings),
             settle_cycles=0,
-            safe_outputs=self._config.outputs.mask("laser"),
+            safe_outputs=self._config.outputs.off_at_rest,
             silence_ms=round(self._config.realtime.silence_of_bridge_s * 1000),
         )
         return Connection(open_line, clock, facts, device, self._config.port.baud, PATIENCE_S)

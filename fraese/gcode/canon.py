@@ -138,6 +138,27 @@ class Coolant:
 
 
 @dataclass(frozen=True, slots=True)
+class Output:
+    """A free output on or off from here on, by its name in the configuration."""
+
+    line: int
+    name: str
+    is_on: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """At a standstill, a program is carried out; the job goes on when it has ended.
+
+    ``words``: the program and its arguments, as they are.
+    """
+
+    line: int
+    code: int
+    words: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Tool:
     """M6: the tool with this number goes into the spindle. A barrier.
 
@@ -214,6 +235,8 @@ Move = (
     | Probe
     | Spindle
     | Coolant
+    | Output
+    | Command
     | Tool
     | Pause
     | Message

@@ -79,6 +79,7 @@ class Interpreter:
             self._settings,
             self._notes,
             setup.ignored_m_codes,
+            setup.user_word,
             remark=lambda: messages.remark(self._text),
         )
         # where the last move inside a loop or subroutine went

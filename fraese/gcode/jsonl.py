@@ -3,6 +3,7 @@
 from fraese.gcode.canon import (
     Arc,
     Breath,
+    Command,
     Coolant,
     Dwell,
     End,
@@ -10,6 +11,7 @@ from fraese.gcode.canon import (
     Message,
     Move,
     Offsets,
+    Output,
     Overrides,
     PathControl,
     Pause,
@@ -28,6 +30,8 @@ _KINDS: dict[type, str] = {
     Probe: "probe",
     Spindle: "spindle",
     Coolant: "coolant",
+    Output: "output",
+    Command: "command",
     Tool: "tool",
     Pause: "pause",
     End: "end",
@@ -44,7 +48,8 @@ def as_dict(move: Move) -> Json | None:
     Keys: ``line`` and ``kind`` always; ``to`` in machine mm; for arcs ``centre`` in the order
     of the plane's axes (G17 x, y; G18 z, x; G19 y, z), ``plane`` (17, 18, 19) and signed
     ``turns``; ``feed_mm_min``; ``duration_s`` of a dwell; ``direction`` and ``rev_min`` of
-    the spindle, and ``has_speed``; ``mist`` and ``flood``; ``number`` of a tool; ``optional`` of
+    the spindle, and ``has_speed``; ``mist`` and ``flood``; ``name`` and ``is_on`` of an output;
+    ``code`` and ``words`` of a command; ``number`` of a tool; ``optional`` of
     a pause, and of both the ``remark`` beside it;
     ``until_closed`` and ``must_touch`` of a probe.
     """

@@ -25,6 +25,7 @@ from fraese.gcode.messages import Notes
 from fraese.gcode.modal import M_OFFSET
 from fraese.gcode.motion import Motion
 from fraese.gcode.settings import Settings
+from fraese.gcode.userwords import Call, Word, carried_out, no_word
 from fraese.gcode.words import Block
 from fraese.phrases import phrase
 
@@ -44,6 +45,7 @@ class Outputs:
         settings: Settings,
         notes: Notes,
         ignored: frozenset[int] = frozenset(),
+        user_word: Callable[[int], Word | None] = no_word,
         remark: Callable[[], str] = str,
     ) -> None:
         self._motion = motion
@@ -52,6 +54,9 @@ class Outputs:
         self._settings = settings
         self._notes = notes
         self._ignored = ignored
+        self._user_word = user_word
+        # what was asked for already
+        self._words: dict[int, Word | None] = {}
         # what is said beside the codes of the line in hand
         self._remark = remark
         # whether the program has come to its end
@@ -154,6 +159,12 @@ class Outputs:
 
     def _user(self, block: Block, value: float) -> Moves:
         code = int(value) - M_OFFSET
+        if code not in self._words:
+            self._words[code] = self._user_word(code)
+        word = self._words[code]
+        if word is not None:
+            p, q = block.words.get("p"), block.words.get("q")
+            return carried_out(word, Call(self._motion.line, code, p, q))
         if code not in self._ignored:
             raise ProgramError(
                 phrase(

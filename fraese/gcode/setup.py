@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fraese.gcode.text import lines_of, open_plain, require_inside
+from fraese.gcode.userwords import Word, no_word
 from fraese.tooldata import ToolData
 from fraese.workframe import Point
 
@@ -46,6 +47,7 @@ class Setup:
         unreferenced: letters of axes of which nobody knows the place: none of them is moved to a
             place of the machine (G28, G30, G53).
         ignored_m_codes: which of M100 to M199 are passed over; the others are refused.
+        user_word: what somebody has made of M100 to M199; None: nothing.
     """
 
     axes: str = "xyz"
@@ -62,3 +64,4 @@ class Setup:
     max_idle_lines: int = 300_000
     unreferenced: str = ""
     ignored_m_codes: frozenset[int] = frozenset()
+    user_word: Callable[[int], Word | None] = no_word

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from fraese.config import Config
-from fraese.config.wiring import LaserConfig, OutputConfig
+from fraese.config.outputs import LaserConfig, OutputConfig
 from fraese.motor.cards.control import OutputPin
 from fraese.motor.cards.stepdir import ACTIVE_PIN, BOOST_PIN
 from fraese.motor.pins import STATUS_PINS

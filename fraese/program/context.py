@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple
 
 from fraese.config import Config
@@ -15,6 +16,7 @@ from fraese.machine import Machine, Millimetres, Steps
 from fraese.phrases import phrase
 from fraese.planner.planner import Options
 from fraese.program.taken import Taken
+from fraese.program.userwords import user_word
 from fraese.tooldata import ToolData
 from fraese.workframe import TOOL_NUMBER
 
@@ -112,6 +114,7 @@ class ProgramContext:
             file=taken.main.file,
             folders=(taken.path.parent, *self.config.run.folders),
             ignored_m_codes=frozenset(self.config.run.ignored_m_codes),
+            user_word=partial(user_word, self.config),
             file_lines=taken.lines,
         )
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from fraese.blocks import FULL_POWER, Block
-from fraese.config.wiring import OutputsConfig
+from fraese.config.outputs import OutputsConfig
 from fraese.gcode import canon
 from fraese.planner.planner import Planner
 

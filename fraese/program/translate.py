@@ -12,7 +12,8 @@ from typing import Any, Final
 
 from fraese.blocks import Block
 from fraese.control.controller import Controller
-from fraese.control.jobs import STANDSTILL, TURN, Ask, Job, move_of
+from fraese.control.jobs import STANDSTILL, TURN, Ask, Doing, Job, move_of
+from fraese.errors import ProgramError
 from fraese.gcode import canon
 from fraese.motor.seams import Report
 from fraese.phrases import phrase
@@ -28,6 +29,7 @@ from fraese.program.sentences import (
     tool_question,
 )
 from fraese.program.touch import Part, Touch, each
+from fraese.program.userwords import execute
 from fraese.program.visit import Visit
 
 Moves = Generator[canon.Move, canon.Facts | None, None]
@@ -242,6 +244,28 @@ class Translation:
             self._say(by_hand(move, coolant_in_words(move)))
         return None
 
+    def _output(self, move: canon.Output) -> Part:
+        if not (yield from self._switch(move.name, move.is_on)):
+            raise ProgramError(
+                phrase(
+                    "the output {name} is to be switched, and there is none: [outputs.own.{name}]"
+                    " names its pin",
+                    name=move.name,
+                ),
+                line=move.line,
+            )
+        return None
+
+    def _command(self, move: canon.Command) -> Part:
+        yield from each(self.planner.drain())
+        if self._controller is None:
+            return None
+        yield STANDSTILL
+        yield Doing(f"M{move.code}")
+        yield from execute(move)
+        yield Doing("")
+        return None
+
     def _switch(self, name: str, on: bool) -> Generator[Block, Report, bool]:
         """Switch a configured output, at rest; False if there is none."""
         mask = self._context.config.outputs.mask(name)
@@ -318,6 +342,8 @@ _ROWS: Final[dict[type, Callable[[Translation, Any], Part]]] = {
     canon.Offsets: Translation._offsets,
     canon.Spindle: Translation._spindle,
     canon.Coolant: Translation._coolant,
+    canon.Output: Translation._output,
+    canon.Command: Translation._command,
     canon.Pause: Translation._pause,
     canon.Tool: Translation._tool,
     canon.Probe: Translation._probe,

@@ -197,7 +197,7 @@ def test_what_is_wrong_is_said_in_one_sentence(tmp_path: Path, text: str, said: 
 
 
 #: Tables of which there may be several, and one of them.
-_SEVERAL = {"tools": "tools.1", "axes": "axes.x", "solids": "solids.plate"}
+_SEVERAL = {"tools": "tools.1", "axes": "axes.x", "solids": "solids.plate", "own": "own.air"}
 
 
 def keys_of(section: type[Section], place: str = "") -> Iterator[tuple[str, Any]]:

@@ -93,6 +93,8 @@ def _event(move: canon.Move) -> Event:
             return "message", said.strip().replace("-0.0000", "0.0000")
         case canon.PathControl(_, mode, tolerance_mm):
             return "path", str(mode), tolerance_mm
+        case canon.Output() | canon.Command():
+            raise AssertionError("M100 to M199 are not compared: there each means what it likes")
         case canon.Along() | canon.Offsets() | canon.Breath():
             raise AssertionError("rs274 says its own numbers; ours are the machine's")
         case canon.Overrides(_, enabled):

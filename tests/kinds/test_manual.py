@@ -14,10 +14,12 @@ from fraese.assembly import Plant, assemble
 from fraese.config import Config
 from fraese.config import file as configuration
 from fraese.control.state import Status
-from fraese.errors import ConfigError, PortError
+from fraese.errors import ConfigError, PortError, ProgramError
 from fraese.kinds.port import port_opener
+from fraese.motor.pins import CONTROL_PINS
 from fraese.motor.seams import CONTROL, DATA, STATUS
 from fraese.planner.lines import plan_line
+from fraese.program.program import open_program
 from tests.beside import install
 from tests.planner.motion import check_limits
 
@@ -167,3 +169,24 @@ def test_the_port_of_the_page_drives_motors(
     assert far_end.registers[DATA] & 0x3F == 0x1B
     with pytest.raises(PortError, match="cannot be reached"):
         assemble(config)
+
+
+def test_the_word_of_the_page_opens_its_valve_and_closes_it(
+    files: Mapping[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plant = assemble(installed(files, "blast", tmp_path, monkeypatch))
+    bit, opened = CONTROL_PINS[16].bit, list[bool]()
+    mill = plant.port
+    assert mill is not None
+    plant.controller.set_show_pos(lambda: opened.append(bool(mill.electronics.pins[1] & bit)))
+    part = tmp_path / "part.ngc"
+    part.write_text("G1 X1 F600\nM110 P0.5\nX2\nM2\n")
+    program = open_program(part)
+    program.start(plant.controller, program.check(plant.controller))
+    assert plant.controller.run() is Status.OK
+    assert True in opened
+    assert opened[0] is opened[-1] is False
+    part.write_text("M110\n")
+    with pytest.raises(ProgramError, match="M110 needs a P word"):
+        open_program(part).check(plant.controller)
+    plant.close()
