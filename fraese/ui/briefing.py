@@ -125,7 +125,7 @@ def _axis(axis: AxisShape, low: float, high: float, state: MachineState, index: 
     reach = f"{three_decimals(low)} … {three_decimals(high)}"
     if not state.referenced[index]:
         return Line(
-            axis.letter, spoken("{reach} from here on; travel not known", reach=reach), "-warn"
+            axis.letter, spoken("{reach} from here, no limits", reach=reach), "-warn"
         )
     first, last = state.low_mm[index], state.high_mm[index]
     travel = spoken("{reach} in {first:g} … {last:g}", reach=reach, first=first, last=last)
