@@ -22,7 +22,9 @@ if TYPE_CHECKING:
     from fraese.testing.failures import (
         DrivenByKeys,
         HarnessError,
+        HasEnded,
         NeverCame,
+        NoSuchName,
         TookTooLong,
         Unanswered,
     )
@@ -36,29 +38,28 @@ __all__ = [
     "Edge",
     "Hands",
     "HarnessError",
+    "HasEnded",
     "Lines",
     "Mill",
     "NeverCame",
+    "NoSuchName",
     "Run",
     "TookTooLong",
     "Unanswered",
 ]
 
 _MODULES: Final = {
-    name: module
-    for module, names in {
-        "app": "App",
-        "failures": "DrivenByKeys HarnessError NeverCame TookTooLong Unanswered",
-        "hands": "Hands",
-        "lines": "Edge Lines",
-        "mill": "Mill Run",
-    }.items()
-    for name in names.split()
+    "App": "app",
+    "Edge": "lines",
+    "Hands": "hands",
+    "Lines": "lines",
+    "Mill": "mill",
+    "Run": "mill",
 }
 
 
 def __getattr__(name: str) -> Any:
-    module = _MODULES.get(name)
-    if module is None:
+    if name not in __all__:
         raise AttributeError(name)
+    module = _MODULES.get(name, "failures")
     return getattr(import_module(f"{__name__}.{module}"), name)

@@ -4,7 +4,9 @@
     ├── Unanswered      a program asked, and the test has no answer
     ├── TookTooLong     the machine runs longer than the test allows
     ├── NeverCame       what was to be done during a run: its moment did not come
-    └── DrivenByKeys    a command to a machine that the app drives
+    ├── DrivenByKeys    a command to a machine that the app drives
+    ├── HasEnded        a key for an app that has been left
+    └── NoSuchName      an axis, an end, a key or a plate that there is not
 
 What the machine itself refuses, or stops with, is raised as it is: ``fraese.errors``.
 """
@@ -68,7 +70,14 @@ class DrivenByKeys(HarnessError):
         super().__init__(f"{command}() on a machine that the app drives: press keys instead")
 
 
-class NoSuchPlace(HarnessError, ValueError):
+class HasEnded(HarnessError):
+    """The app was left, by a key or by the test: nobody hears what is typed."""
+
+    def __init__(self) -> None:
+        super().__init__("The app has ended: nobody hears what is typed")
+
+
+class NoSuchName(HarnessError, ValueError):
     """A name that this machine does not have.
 
     Args:

@@ -20,7 +20,7 @@ from fraese.control.onlooker import Seen
 from fraese.control.state import MachineState, Status
 from fraese.motor.phases import Currents
 from fraese.motor.ports.sim import SimulatedMill
-from fraese.testing.failures import NoSuchPlace
+from fraese.testing.failures import NoSuchName
 from fraese.testing.lines import Lines
 
 #: A configuration: built in, a file, its tables, or what was made of them.
@@ -147,7 +147,7 @@ class Hands:
             end: its name, such as "xmin".
 
         Raises:
-            NoSuchPlace: there is none of that name.
+            NoSuchName: there is none of that name.
         """
         self._plant.press(self._known(end, self._ends()), True)
 
@@ -159,7 +159,7 @@ class Hands:
         """Hold a carriage, or let it go: its motor loses the steps that it cannot make.
 
         Raises:
-            NoSuchPlace: there is no such axis.
+            NoSuchName: there is no such axis.
         """
         motor = self.axes.index(self._known(axis, self.axes))
         self._port.mill.block(motor, blocked)
@@ -201,7 +201,7 @@ class Hands:
         """Take it off the table.
 
         Raises:
-            NoSuchPlace: nothing of that name lies there.
+            NoSuchName: nothing of that name lies there.
         """
         self._known(name, self._solids)
         self._lay({key: solid for key, solid in self._solids.items() if key != name})
@@ -226,5 +226,5 @@ class Hands:
     @staticmethod
     def _known(name: str, known: Any) -> str:
         if name not in known:
-            raise NoSuchPlace(name, known)
+            raise NoSuchName(name, known)
         return name

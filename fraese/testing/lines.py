@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from fraese.motor.pins import CONTROL_PINS, DATA_PINS, STATUS_PINS, Line
 from fraese.motor.seams import CONTROL, DATA, STATUS
-from fraese.testing.failures import NoSuchPlace
+from fraese.testing.failures import NoSuchName
 
 _PINS: Final[Mapping[int, Mapping[int, Line]]] = {
     DATA: DATA_PINS,
@@ -65,7 +65,7 @@ class Lines:
             pin: of the DB25: 2 to 9 data, 1 14 16 17 control, 10 11 12 13 15 inputs.
 
         Raises:
-            NoSuchPlace: it carries no signal.
+            NoSuchName: it carries no signal.
         """
         return list(self._edges(pin))
 
@@ -85,4 +85,4 @@ def _behind(pin: int) -> tuple[int, Line]:
         if pin in pins:
             return register, pins[pin]
     known = sorted(pin for pins in _PINS.values() for pin in pins)
-    raise NoSuchPlace(str(pin), map(str, known))
+    raise NoSuchName(str(pin), map(str, known))

@@ -18,7 +18,7 @@ from fraese.errors import Cancelled, FraeseError
 from fraese.program.program import Program, open_program
 from fraese.program.telling import Stage
 from fraese.program.typed import typed_program
-from fraese.testing.failures import NoSuchPlace, TookTooLong
+from fraese.testing.failures import NoSuchName, TookTooLong
 from fraese.testing.hands import Configuration, Hands, configured
 from fraese.testing.patience import Patience
 from fraese.testing.watch import Answers, Due, Watch
@@ -101,6 +101,7 @@ class Mill(Hands):
         Raises:
             FraeseError: what the machine refuses, or stopped with.
         """
+        self._require_axes(axes)
         return self._do("reference run", lambda: self.controller.home(axes, measure=measure))
 
     def move(
@@ -179,7 +180,8 @@ class Mill(Hands):
 
         Args:
             program: its file, or lines of G-code.
-            answers: to its questions: what would be typed at each, "" to go on; or who answers.
+            answers: to its questions: what would be typed at each, "" to go on; one, several in
+                turn, or who answers.
             yes: questions without an answer go on.
             limit_s: machine time that it may take; None: as the mill's.
             from_line: begin there; what lies before is only read.
@@ -247,7 +249,7 @@ class Mill(Hands):
     def _require_axes(self, names: Iterable[str]) -> None:
         for name in names:
             if name not in self.axes:
-                raise NoSuchPlace(name, self.axes)
+                raise NoSuchName(name, self.axes)
 
     def _do(
         self,

@@ -9,6 +9,7 @@ Rule 2: an app that has failed says so at the next order.
 
 import asyncio
 import io
+import string
 import unicodedata
 from collections.abc import Callable, Coroutine
 from pathlib import Path
@@ -16,15 +17,20 @@ from typing import Any, Final, TypeVar
 
 from rich.console import Console
 from textual.events import Key
-from textual.keys import REPLACED_KEYS, _character_to_key, _get_unicode_name_from_key
+from textual.keys import REPLACED_KEYS, Keys, _character_to_key, _get_unicode_name_from_key
 from textual.pilot import Pilot
 
+from fraese.testing.failures import HasEnded, NoSuchName
 from fraese.testing.patience import Patience
 from fraese.ui.app import FraeseApp
 
 _T = TypeVar("_T")
 #: A key is heard, and what follows from it is on its way.
 _HEARD_S: Final = 0.02
+#: Names of keys that are no characters, without Ctrl, Alt and Shift; letters go with those.
+_NAMED: Final = frozenset(
+    key.value for key in Keys if key.value.isalnum() and "+" not in key.value
+) | frozenset(string.ascii_lowercase)
 #: Between two looks at what is waited for.
 _LOOK_S: Final = 0.01
 
@@ -99,6 +105,8 @@ class Screen:
         self._do(lambda: self._press(key))
 
     async def _press(self, key: str) -> None:
+        if not self.app.is_running:
+            raise HasEnded
         name = _character_to_key(key) if len(key) == 1 and not key.isalnum() else key
         original = REPLACED_KEYS.get(name, name)
         character: str | None
@@ -106,6 +114,8 @@ class Screen:
             character = unicodedata.lookup(_get_unicode_name_from_key(original))
         except KeyError:
             character = key if len(key) == 1 else None
+            if character is None and name.rpartition("+")[2] not in _NAMED:
+                raise NoSuchName(key, ("a character", *sorted(_NAMED))) from None
         driver = self.app._driver
         assert driver is not None
         # As the terminal's driver does it: a stop key is heard there first.

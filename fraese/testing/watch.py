@@ -20,8 +20,8 @@ from fraese.testing.failures import HarnessError, NeverCame, TookTooLong, Unansw
 
 #: Says what would be typed at a question; None: nothing, it stays unanswered.
 Answerer = Callable[[str], str | None]
-#: Lines in turn, or somebody who answers.
-Answers = Sequence[str] | Answerer
+#: A line, lines in turn, or somebody who answers.
+Answers = str | Sequence[str] | Answerer
 
 #: After a cancel motors come to rest within so much machine time, s.
 _RAMP_S: Final = 30.0
@@ -150,7 +150,7 @@ def _nothing(question: str) -> str | None:
 
 
 def _answerer(answers: Answers, *, yes: bool) -> Answerer:
-    left = [] if callable(answers) else list(answers)
+    left = [answers] if isinstance(answers, str) else [] if callable(answers) else list(answers)
 
     def answer(question: str) -> str | None:
         given = answers(question) if callable(answers) else (left.pop(0) if left else None)

@@ -7,6 +7,7 @@ from fraese.cli.shared import Drive
 from fraese.cli.theapp import make_app
 from fraese.config import Config
 from fraese.control.state import Status
+from fraese.testing import App
 from fraese.ui.dialogs.crash import CrashDialog
 from tests.helpers import crash, kept
 from tests.ui.helpers import play
@@ -35,25 +36,18 @@ def test_the_state_says_that_the_machine_moves_before_it_moves(tmp_path: Path) -
 
 
 def test_the_app_is_told_what_it_drives(tmp_path: Path) -> None:
-    async def scene() -> None:
-        path = tmp_path / "part.ngc"
-        path.write_text("G21 G90\nG1 X5 F300\nM2\n")
-        plant = assemble(Config(), state=tmp_path)
-        app = make_app(plant, path, Drive(state=tmp_path))
-        async with app.run_test(size=(80, 24)) as pilot:
-            while app.view.desk.programs.program is None:
-                await pilot.pause(0.01)
-            assert app.view.desk.programs.program.name == "part.ngc"
-            assert app.view.desk.machine_name == "simulated mill"
-            hand = app.view.desk.hand
-            assert hand is not None
-            hand("xmax", True)
-            while not app._state.switch_closed:
-                await pilot.pause(0.01)
-            hand("xmax", False)
-        plant.close()
-
-    play(scene)
+    path = tmp_path / "part.ngc"
+    path.write_text("G21 G90\nG1 X5 F300\nM2\n")
+    with App(folder=tmp_path, program=path) as app:
+        desk = app.ui.view.desk
+        app.wait(lambda: desk.programs.program is not None, "the program")
+        assert desk.programs.program is not None
+        assert desk.programs.program.name == "part.ngc"
+        assert desk.machine_name == "simulated mill"
+        assert desk.hand is not None
+        desk.hand("xmax", True)
+        app.wait(lambda: app.ui._state.switch_closed, "the switch to be seen")
+        desk.hand("xmax", False)
 
 
 def test_what_a_crash_has_left_is_offered_at_the_start(tmp_path: Path) -> None:

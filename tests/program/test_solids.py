@@ -1,6 +1,5 @@
 """Plate, edges, hole and tool setter of the simulated mill, touched by programs."""
 
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,9 +10,9 @@ from fraese.assembly import Plant
 from fraese.assembly.solids import Table
 from fraese.config.file import from_table
 from fraese.config.solid import SimulatedSolid
-from fraese.control.state import Status
 from fraese.errors import ConfigError
-from tests.helpers import configured, homed, merged, program, run_program
+from fraese.testing import Mill
+from tests.helpers import configured, homed, merged
 from tests.program.test_probing import done, standing_at
 
 BLOCK = {"x_mm": [50, 80], "y_mm": [40, 60], "top_mm": -10}
@@ -54,14 +53,13 @@ def test_a_hole_in_a_block() -> None:
     assert done(made, "down on work or plate")[2] == pytest.approx(-18, abs=0.02)
 
 
-def test_the_length_of_a_tool_on_a_setter(tmp_path: Path) -> None:
-    made = _made({"simulation": {"tool_length_mm": 12.5}}, setter=SETTER)
-    standing_at(made, 10, 10, -2)
+def test_the_length_of_a_tool_on_a_setter() -> None:
     text = "G21 G90 G49\nG38.2 Z-50 F100\nG10 L1 P1 Z[#5063+30]\nG0 Z-1\nT1 M6\nG43\nM2\n"
-    made.controller.set_break_key(made.controller.answer)
-    status = run_program(made, program(tmp_path, text))
-    assert status is Status.OK, made.controller.state().message
-    assert made.controller.state().work.tool_length_mm == pytest.approx(12.5, abs=0.02)
+    with Mill({"simulation": {"tool_length_mm": 12.5, "solids": {"setter": SETTER}}}) as mill:
+        mill.home()
+        mill.move(x=10, y=10, z=-2)
+        mill.run(text, answers="")
+        assert mill.state.work.tool_length_mm == pytest.approx(12.5, abs=0.02)
 
 
 @given(

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from fraese.testing import App, DrivenByKeys, TookTooLong
+from fraese.testing import App, DrivenByKeys, HasEnded, NoSuchName, TookTooLong
 
 ASKING = "G21 G90\nG1 X5 F1200\nM0 (look at it)\nG1 X10\nM2\n"
 
@@ -78,11 +78,17 @@ def test_a_job_has_a_limit_of_machine_time(tmp_path: Path) -> None:
         assert app.mill.position_mm["x"] == 1
 
 
-def test_commands_are_for_keys(app: App) -> None:
+def test_commands_are_for_keys_that_there_are_and_an_app_that_lives(app: App) -> None:
+    with pytest.raises(NoSuchName, match="'rihgt' is none of a character"):
+        app.press("rihgt")
+    app.press("ctrl+p", "escape", "f6", "f2")
     with pytest.raises(DrivenByKeys, match=r"home\(\)"):
         app.mill.home()
     with pytest.raises(AttributeError):
         _ = app.mill.anything
+    app.press("q")
+    with pytest.raises(HasEnded):
+        app.press("right")
 
 
 @pytest.fixture

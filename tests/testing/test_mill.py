@@ -9,7 +9,7 @@ import pytest
 from fraese.control.state import Status
 from fraese.errors import Cancelled, HomingError, LimitError, ProbeError, ProgramError, SwitchAlarm
 from fraese.testing import Mill, NeverCame, TookTooLong, Unanswered
-from fraese.testing.failures import NoSuchPlace
+from fraese.testing.failures import NoSuchName
 
 SQUARE = "G21 G90\nG1 X20 F1200\nG1 Y20\nG1 X0\nG1 Y0\nM2\n"
 ASKING = "G21 G90\nG1 X5 F1200\nT2 M6\nG1 X10\nM0 (look at it)\nG1 X15\nM2\n"
@@ -46,9 +46,11 @@ def test_what_is_refused_is_raised_and_nothing_has_moved(mill: Mill) -> None:
         mill.move(x=1000)
     with pytest.raises(ProgramError, match="line 2"):
         mill.run("G1 X5 F100\nG1 Q!\n")
-    with pytest.raises(NoSuchPlace, match="'u' is none of x, y, z"):
+    with pytest.raises(NoSuchName, match="'u' is none of x, y, z"):
         mill.move(u=3)
-    with pytest.raises(NoSuchPlace, match="'xmid' is none of xmin, xmax"):
+    with pytest.raises(NoSuchName, match="'q' is none"):
+        mill.home("q")
+    with pytest.raises(NoSuchName, match="'xmid' is none of xmin, xmax"):
         mill.press("xmid")
     assert mill.position_mm == {"x": 0, "y": 0, "z": 0}
 
@@ -92,6 +94,8 @@ def test_too_few_answers_and_refused_ones_are_told(mill: Mill) -> None:
     with pytest.raises(Unanswered, match="'dance' was refused"):
         mill.run(ASKING, answers=["dance"])
     assert len(mill.run(ASKING, yes=True).asked) == 2
+    with pytest.raises(Unanswered, match="look at it"):
+        mill.run(ASKING, answers="")
 
 
 # --- every run ends ------------------------------------------------------------------------------
@@ -157,7 +161,7 @@ def test_a_carriage_that_is_held_loses_steps(mill: Mill) -> None:
     assert mill.lost_why == {"x": "", "y": "blocked", "z": ""}
     assert mill.carriages_mm["y"] == pytest.approx(0, abs=0.05)
     mill.block("y", False)
-    with pytest.raises(NoSuchPlace):
+    with pytest.raises(NoSuchName):
         mill.block("w")
 
 
@@ -203,7 +207,7 @@ def test_a_plate_is_felt_where_it_lies_and_only_there(mill: Mill) -> None:
     mill.take_away()
     with pytest.raises(ProbeError):
         mill.run(probe)
-    with pytest.raises(NoSuchPlace):
+    with pytest.raises(NoSuchName):
         mill.take_away()
 
 
@@ -222,7 +226,7 @@ def test_lines_are_recorded_as_they_were(mill: Mill) -> None:
     count = len(lines.accesses)
     mill.jog("x", 0.5)
     assert len(lines.accesses) == count
-    with pytest.raises(NoSuchPlace, match="'18' is none of"):
+    with pytest.raises(NoSuchName, match="'18' is none of"):
         lines.edges(18)
 
 
