@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test fuzz monkey mutate campaign looks tour engravings coverage check format clean firmware images manual site \
+.PHONY: run test fuzz monkey mutate campaign looks tour engravings pictures coverage check format clean firmware images manual site \
 	rig-avr rig-lpt
 
 run: $(READY)
@@ -50,6 +50,11 @@ tour: $(READY)
 # The pictures of docs/engrave.md: its examples, carried out.
 engravings: $(READY)
 	$(BIN)/python -m bench.engravings
+
+# All pictures of the documentation but those of docs/timing.md, which want a computer for themselves.
+pictures: $(READY) tour engravings
+	$(BIN)/python -m bench.plots
+	$(BIN)/python -m bench.waveform
 
 # Twice as slow.
 coverage: $(READY)

@@ -24,6 +24,10 @@ _COMPLETIONS: Final = {
     Shell.ZSH: "zsh/site-functions/_fraese",
     Shell.FISH: "fish/vendor_completions.d/fraese.fish",
 }
+#: zsh reads the file when it is first asked to complete; that time it is to be answered, too.
+_AT_FIRST: Final = {
+    Shell.ZSH: '\n[[ $funcstack[1] = _fraese ]] && _fraese_completion "$@"\n',
+}
 _EXIT_CODES: Final = {
     "0": "Done.",
     "1": "The job failed, an alarm stopped it, nobody answered, or the port cannot be had.",
@@ -201,7 +205,8 @@ def version() -> str:
 def shared_files() -> dict[str, str]:
     """What is made from the program, by path below share/."""
     found = {"man/man1/fraese.1": man_page(version())}
-    found |= {place: script_for(shell.value) + "\n" for shell, place in _COMPLETIONS.items()}
+    for shell, place in _COMPLETIONS.items():
+        found[place] = script_for(shell.value) + "\n" + _AT_FIRST.get(shell, "")
     return found
 
 
