@@ -74,6 +74,7 @@ _HEARD: Final = re.compile(r"\d+ accesses in [\d.]+ ms")
 _TIMES: Final = re.compile(r" +×\d+$", re.MULTILINE)
 #: Where the thumb of a dialog's scrollbar ends depends on how much there is below.
 _THUMB: Final = re.compile("[▁▂▃▅▆▇](?= *│)")
+_KEYS: Final = re.compile(r"\b\d+ keys\b")
 _ENDS: Final = re.compile(r"\bends\b(\s|&#160;)\d\d:\d\d\b")
 
 
@@ -245,4 +246,4 @@ def as_text(b: Bench) -> str:
     rows = console.export_text(styles=False).split("\n")[: size.height]
     text = "\n".join(row.rstrip() for row in rows)
     text = _TIMES.sub("", _HEARD.sub("~ accesses", _WAVES.sub(r"\1 ~~~~", text)))
-    return without_time(_THUMB.sub(" ", text))
+    return without_time(_KEYS.sub("all keys", _THUMB.sub(" ", text)))
