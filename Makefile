@@ -4,7 +4,7 @@ BIN := .venv/bin
 READY := .venv/.ready
 
 .PHONY: run test fuzz monkey mutate campaign looks tour engravings pictures coverage check format clean firmware images manual site \
-	rig-avr rig-lpt
+	rig-avr rig-lpt senders
 
 run: $(READY)
 	$(BIN)/fraese
@@ -94,6 +94,18 @@ site: .venv/.site-ready
 # The simulated ATmega328P, into .rig-cache/; the tests build it by themselves.
 rig-avr: $(READY)
 	$(BIN)/python -m rigs.avr.build
+# Real senders drive the simulated mill by `fraese serve`: see rigs/senders/README.md. ONLY=name: one of them. In a virtual
+# environment of their own; needs npm, and xvfb and python3-tk for bCNC. Takes some minutes.
+SENDERS := .rig-cache/senders
+senders: $(READY) $(SENDERS)/.ready
+	$(SENDERS)/bin/python -m rigs.senders $(ONLY)
+
+$(SENDERS)/.ready: pyproject.toml
+	$(PYTHON) -m venv $(SENDERS)
+	$(SENDERS)/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[senders]'
+	npm install --silent --no-audit --no-fund --prefix $(SENDERS) cncjs@1
+	@touch $@
+
 # The ports on a real kernel: QEMU, Debian's kernel, an emulated LPT. See rigs/lpt/README.md.
 rig-lpt: $(READY)
 	$(BIN)/python -m rigs.lpt

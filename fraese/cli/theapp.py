@@ -2,10 +2,10 @@
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Any, Final
 
 from fraese.assembly import Plant
 from fraese.cli import appkeys
@@ -25,18 +25,22 @@ from fraese.program.recent import RecentPrograms
 from fraese.program.resumption import Resumption
 from fraese.ui.app import FraeseApp
 
+if TYPE_CHECKING:
+    from fraese.cli.appserving import AppSenders
+
 #: In the state folder: what was typed in the app.
 _TYPED_LINES: Final = "typed-lines"
 #: And what it looked like.
 _SESSION: Final = "session.json"
 
 
-def run(on: Drive, file: Path | None) -> int:
+def run(on: Drive, file: Path | None, served: Mapping[str, Any] | None = None) -> int:
     """The app, to its end; the exit code.
 
     Args:
         on: the machine.
         file: program to open.
+        served: senders are let in, and so much was said of how; None: if that is configured.
 
     Raises:
         UsageError: there is no terminal.
@@ -46,7 +50,7 @@ def run(on: Drive, file: Path | None) -> int:
         raise UsageError(
             phrase("The app needs a terminal; without one use a command, see fraese --help.")
         )
-    return _run_app(on.plant("paced"), file, on)
+    return _run_app(on.plant("paced"), file, on, served)
 
 
 def _is_served() -> bool:
@@ -59,6 +63,7 @@ def make_app(
     program: Path | None,
     on: Drive,
     leaving: Callable[[int], object] | None = None,
+    senders: "AppSenders | None" = None,
 ) -> FraeseApp:
     """The app on a machine.
 
@@ -67,16 +72,18 @@ def make_app(
         program: to open.
         on: where its configuration and its state are.
         leaving: told the exit code when it is on its way out.
+        senders: other programs that may drive it, too; None: none may.
     """
     # What a crash has left is offered by the app itself.
     left = left_by_crash(plant.controller)
     kept = KeptPrograms(on.folder)
-    return FraeseApp(
+    notes = [text for text in plant.notes if left is None or text != left.sentence]
+    app = FraeseApp(
         plant.controller,
         open_program=partial(open_program, apart=True, kept=kept),
         resume=partial(Resumption.of, kept=kept, apart=True),
         recent=RecentPrograms(on.folder),
-        notes=[text for text in plant.notes if left is None or text != left.sentence],
+        notes=notes if senders is None else [*notes, senders.sentence],
         program=program,
         machine_name=plant.machine_name,
         hand=plant.press if plant.is_simulated else None,
@@ -90,9 +97,29 @@ def make_app(
         macros=appkeys.macros_of(plant.config),
         session=kept.state_folder / _SESSION,
     )
+    if senders is not None:
+        senders.go_by(app.link)
+    return app
 
 
-def _run_app(plant: Plant, program: Path | None, on: Drive) -> int:
+def _senders(plant: Plant, on: Drive, said: Mapping[str, Any] | None) -> "AppSenders | None":
+    """Those that are let in, if they are wanted."""
+    if said is None and not plant.config.serve.app:
+        return None
+    # Nobody else pays for it.
+    from fraese.cli.appserving import AppSenders
+    from fraese.cli.serving import access_of, how_served, writer
+    from fraese.serve.store import FILE_NAME, Store
+
+    how = how_served(plant.config.serve, said or {})
+    write = writer(on.config, plant.controller)
+    store = Store(on.folder / FILE_NAME)
+    return AppSenders(plant.controller, store, write, how, access_of(how))
+
+
+def _run_app(
+    plant: Plant, program: Path | None, on: Drive, served: Mapping[str, Any] | None
+) -> int:
     """The app, to its end; the exit code."""
     departure = Departure(leave=left_at_once(sys.stdin.fileno()))
     ui: FraeseApp | None = None
@@ -112,7 +139,8 @@ def _run_app(plant: Plant, program: Path | None, on: Drive) -> int:
         in_background(lambda: departure.machine_is_closed(closing.code(code)), "way out")
 
     try:
-        ui = make_app(plant, program, on, leaving)
+        senders = _senders(plant, on, served)
+        ui = make_app(plant, program, on, leaving, senders)
         ui.run()
     finally:
         _close_moved(plant, closing)

@@ -64,6 +64,8 @@ class ServeConfig(Section):
         ),
     )
 
+    app: bool = Field(False, description="Whether the app lets senders in while it is there.")
+
     @field_validator("tcp")
     @classmethod
     def _is_address(cls, value: str) -> str:

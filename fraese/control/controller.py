@@ -11,6 +11,7 @@ Rule 4: what is known is known in one place: positions in ``position``, contacts
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from fraese.anythread import any_thread
@@ -29,7 +30,7 @@ from fraese.control.recorder import Recorder
 from fraese.control.runloop import RunLoop
 from fraese.control.savedstate import SavedState
 from fraese.control.snapshot import snapshot
-from fraese.control.state import MachineState, Status
+from fraese.control.state import NO_SENDER, MachineState, Status
 from fraese.errors import FraeseError
 from fraese.log import LogFile
 from fraese.machine import Machine, Steps
@@ -56,6 +57,7 @@ class Controller(Commands):
         handling: overrides, and how programs are run.
         cutting: feed and spindle of the program in hand, or of the last one.
         aims: where the moves of the program in hand end.
+        sender: another program that is connected, for whoever shows it; replaced whole.
     """
 
     def __init__(
@@ -81,6 +83,7 @@ class Controller(Commands):
         )
         self.position = Position(machine)
         self.cutting = CuttingHistory()
+        self.sender = NO_SENDER
         self.switches = EndSwitches(config, self.position, driver)
         keeper = recorder or Recorder()
         self._queue = MotionQueue(driver, self.position, self.switches, keeper, handling)
@@ -221,6 +224,11 @@ class Controller(Commands):
         """Blocks of the present job that were played to their end."""
         return self._queue.finished
 
+    @any_thread
+    def blocks_left(self) -> int:
+        """Blocks given to the driver that are not through yet."""
+        return self._queue.left
+
     def spare_s(self) -> float:
         """How long the motors may go on before they must brake, if nothing more is pushed, s."""
         return max(0.0, self._queue.duration_s() - self._queue.braking_s())
@@ -247,7 +255,7 @@ class Controller(Commands):
     @any_thread
     def state(self) -> MachineState:
         """Everything that can be shown, as it is now."""
-        return snapshot(
+        seen = snapshot(
             self._loop,
             self._queue,
             self.position,
@@ -259,3 +267,4 @@ class Controller(Commands):
             aims=self.aims,
             tools=self.config.tools,
         )
+        return replace(seen, sender=self.sender) if self.sender != NO_SENDER else seen

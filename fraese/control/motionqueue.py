@@ -288,6 +288,12 @@ class MotionQueue:
         return tuple(start), spans
 
     @property
+    @any_thread
+    def left(self) -> int:
+        """Blocks that were given to the driver and are not through yet."""
+        return len(self._queue)
+
+    @property
     def has_begun(self) -> bool:
         """A block of this job was taken in hand or dropped: why the motors stand is about it."""
         return self.report.playing > self._serial_at_start

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import Final
 
 from fraese.alarms import AlarmKind
 from fraese.blocks import OVERRIDES as OVERRIDES
@@ -60,6 +61,23 @@ class CutShort:
 
     name: str
     line: int
+
+
+@dataclass(frozen=True, slots=True)
+class SenderFacts:
+    """Another program that is connected, and may drive the machine.
+
+    Attributes:
+        name: where it is, for people; empty: there is none.
+        is_out: somebody at the machine has taken over: nothing that it sends is done.
+    """
+
+    name: str = ""
+    is_out: bool = False
+
+
+#: Nobody is connected.
+NO_SENDER: Final = SenderFacts()
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,6 +192,7 @@ class MachineState:
             rest.
         phases: phase index of every motor; on a drive of its own it says nothing.
         cut_short: the last program, if it was; None: it ended well, or another one runs.
+        sender: another program that is connected.
     """
 
     status: Status
@@ -217,4 +236,5 @@ class MachineState:
     alarm: AlarmKind | None = None
     to_go_mm: tuple[float, ...] = ()
     cut_short: CutShort | None = None
+    sender: SenderFacts = NO_SENDER
     phases: tuple[int, ...] = ()

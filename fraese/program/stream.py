@@ -112,8 +112,7 @@ class Stream:
     @property
     def at_rest(self) -> bool:
         """All that was sent so far has been made."""
-        made = self._controller.blocks_finished() == self._controller.blocks_pushed()
-        return made and not self.pending
+        return not self._controller.blocks_left() and not self.pending
 
     def forget(self) -> None:
         """What follows begins as a program does, but in G0."""

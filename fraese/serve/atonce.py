@@ -115,8 +115,8 @@ class AtOnce:
             self._asked = state.question
             if state.question:
                 self._say(as_message(state.question))
-        queued = self._controller.blocks_pushed() - self._controller.blocks_finished()
-        moves = self._stream.pending + queued if state.status is Status.RUN else 0
+        left = self._controller.blocks_left()
+        moves = self._stream.pending + left if state.status is Status.RUN else 0
         self._say(
             self.report.line(
                 state,

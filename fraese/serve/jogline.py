@@ -14,10 +14,14 @@ from fraese.control.controller import Controller
 from fraese.control.softlimits import require_reachable, to_steps
 from fraese.errors import LimitError
 from fraese.gcode.axes import Axes
-from fraese.gcode.canon import Feed
+from fraese.gcode.canon import Breath, Feed, Overrides
 from fraese.gcode.modal import Modal
 from fraese.phrases import phrase
+from fraese.program.context import ProgramContext
+from fraese.program.stream import NOT_YET, Stream
+from fraese.program.translate import Moves
 from fraese.serve.codes import Code
+from fraese.serve.feeder import Feeder
 from fraese.serve.kinds import bare
 from fraese.workframe import Point
 
@@ -123,3 +127,24 @@ def _take(words: _Words, letter: str, value: float, controller: Controller) -> N
         )
     elif letter != "n":
         raise JogRefused(Code.JOG)
+
+
+def jogs(context: ProgramContext, controller: Controller, stream: Stream, feeder: Feeder) -> Moves:
+    """Moves of the jogs that come, one behind the other; an override of feeds leaves them alone."""
+    yield Overrides(0, False)
+    at_mm = context.start_mm
+    while True:
+        text = feeder.next()
+        if text is NOT_YET:
+            if feeder.is_over() and stream.at_rest:
+                return
+            yield Breath(0)
+            continue
+        try:
+            move = jog_move(text, controller, stream.modal, at_mm)
+        except JogRefused as refused:
+            feeder.close(refused.code, refused.said)
+            continue
+        at_mm = move.to
+        feeder.leads_to(move)
+        yield move

@@ -30,6 +30,7 @@ class Modes:
         held: hold was said; nothing that waits is begun.
         door: it was said as an open door.
         check: lines are looked at, and not carried out.
+        out: somebody at the machine has taken over.
     """
 
     doing: Doing = Doing.NOTHING
@@ -39,6 +40,7 @@ class Modes:
     held: bool = False
     door: bool = False
     check: bool = False
+    out: bool = False
 
     def word(self, state: MachineState, *, holding: bool) -> str:
         """What a status report begins with.
@@ -47,7 +49,7 @@ class Modes:
             state: of the machine.
             holding: the job in hand was told to wait.
         """
-        if self.alarm or state.status is Status.ERROR:
+        if self.alarm or self.out or state.status is Status.ERROR:
             return "Alarm"
         runs = state.status is Status.RUN
         if self.held or (runs and (holding or state.question)):

@@ -79,6 +79,8 @@ class Server:
                 self._show_out(*self._inside)
             for door in self._doors:
                 door.close()
+            for end in (self._wakes, self._woken):
+                end.close()
 
     def close(self) -> None:
         """Let ``serve`` come to its end; from any thread."""

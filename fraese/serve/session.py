@@ -16,28 +16,26 @@ from typing import Final
 
 from fraese.anythread import any_thread
 from fraese.control.controller import Controller
-from fraese.control.state import Status
+from fraese.control.state import SenderFacts, Status
 from fraese.control.workcommands import select_system
 from fraese.errors import FraeseError, LimitError
-from fraese.gcode import canon
 from fraese.phrases import phrase
-from fraese.program.context import ProgramContext
-from fraese.program.stream import NOT_YET, Stream
-from fraese.program.translate import Moves
-from fraese.serve import settings
+from fraese.program.stream import Stream
+from fraese.serve.answers import Answers
 from fraese.serve.atonce import AtOnce, Wishes
 from fraese.serve.codes import CRITICAL, Alarmed, Code, alarm_of, code_of
 from fraese.serve.feeder import Feeder
 from fraese.serve.inbox import Inbox, Sent
-from fraese.serve.jogline import JogRefused, jog_move
+from fraese.serve.jogline import jogs
 from fraese.serve.kinds import Kind, kind_of
 from fraese.serve.modes import Doing, Modes
 from fraese.serve.receiver import Receiver
-from fraese.serve.report import Axes, as_message, parser_state
+from fraese.serve.report import as_message, parser_state
 from fraese.serve.store import Store
 from fraese.serve.system import System, Write
 
 WELCOME: Final = "\r\nGrbl 1.1h ['$' for help]"
+_OUT: Final = phrase("Somebody at the machine has taken over.")
 LOCKED: Final = "[MSG:'$H'|'$X' to unlock]"
 
 
@@ -83,16 +81,18 @@ class Session:
         self.modes = modes = Modes()
         self.name = ""
         self._send: Callable[[str], object] = _nobody
-        self._axes = Axes(controller.machine)
         self._system = System(
-            controller, modes, store, write, self.say, self._parser_state,
+            controller, modes, store, write, self.say,
+            lambda: parser_state(self._stream.modal, self._stream.system),
             lambda axes: controller.home(axes), self._turn_check,
         )  # fmt: skip
+        answers = Answers(controller.machine, self._inbox, self._system, self.say)
+        self._answer, self._inline = answers.answer, answers.inline
         self._feeder = Feeder(
-            self._inbox, modes, self._answer, self._inline, lambda: self._stream.at_rest, now_s,
-            **({} if waits else {"linger_s": 0.0}),
+            self._inbox, modes, answers.answer, answers.inline, lambda: self._stream.at_rest,
+            now_s, **({} if waits else {"linger_s": 0.0}),
         )  # fmt: skip
-        self._feeder.report = self._saw
+        self._feeder.report = answers.saw
         self._stream = Stream(controller, self._feeder, phrase("lines of a sender"))
         self._wishes = Wishes()
         self._at_once = AtOnce(
@@ -117,7 +117,8 @@ class Session:
         self._inbox.clear()
         self._receiver = Receiver(self._line, self._at_once.act)
         self._at_once.report.anew()
-        self.name, self._send = name, send
+        self._is_called(name)
+        self._send = send
         if self._controller.status is Status.RUN:
             # Somebody else's job: it goes on.
             self._greet()
@@ -128,11 +129,25 @@ class Session:
     @any_thread
     def lost(self) -> None:
         """He has gone; what moves for him stops."""
-        self.name, self._send = "", _nobody
+        self._is_called("")
+        self._send = _nobody
         self._inbox.clear()
         self.modes.held = self.modes.door = False
         if self.modes.doing is not Doing.NOTHING:
             self._at_once.stop()
+
+    @any_thread
+    def take(self, *, out: bool) -> None:
+        """Somebody at the machine takes over, or gives it back; what moves for the sender stops."""
+        self.modes.out = out
+        self._is_called(self.name)
+        if out and self.modes.doing is not Doing.NOTHING:
+            self._controller.cancel()
+        self._wake()
+
+    def _is_called(self, name: str) -> None:
+        self.name = name
+        self._controller.sender = SenderFacts(name, is_out=self.modes.out)
 
     @any_thread
     def feed(self, data: bytes) -> None:
@@ -165,7 +180,7 @@ class Session:
     @any_thread
     def has_work(self) -> bool:
         """``turn`` has something to do."""
-        if self._wishes.resets or self._failed_by_others:
+        if self._wishes.resets or self._failed_by_others or self._is_out_anew:
             return True
         waits = self.modes.critical or self.modes.held
         return not waits and bool(self._inbox.waiting_bytes)
@@ -174,8 +189,14 @@ class Session:
     def _failed_by_others(self) -> bool:
         return self._controller.status is Status.ERROR and not self.modes.alarm
 
+    @property
+    def _is_out_anew(self) -> bool:
+        return self.modes.out and not self.modes.alarm
+
     def turn(self) -> None:
         """Do what waits, up to the end of one job."""
+        if self._is_out_anew:
+            self._lock(Alarmed.ABORT, _OUT)
         if self._failed_by_others:
             self._lock(alarm_of(self._controller.error))
         self._settle()
@@ -196,6 +217,11 @@ class Session:
     def _begins(self, line: Sent) -> bool:
         """Do a line; True: a job was started, and has it still before it."""
         kind = kind_of(line.text)
+        if self.modes.out and kind is not Kind.EMPTY:
+            if kind is not Kind.SYSTEM or not self._inline(line):
+                self._inbox.take()
+                self._answer(line, Code.LOCKED, _OUT)
+            return False
         if kind is Kind.SYSTEM:
             return self._system_line(line)
         code = Code.OK
@@ -222,7 +248,10 @@ class Session:
         self._feeder.begin(kind)
         try:
             if kind is Kind.JOG:
-                self._stream.start_moves(phrase("jog of a sender"), self._jogs)
+                self._stream.start_moves(
+                    phrase("jog of a sender"),
+                    lambda context: jogs(context, self._controller, self._stream, self._feeder),
+                )
             else:
                 self._stream.start()
         except FraeseError as error:
@@ -252,26 +281,6 @@ class Session:
         self.modes.check = not self.modes.check
         self.say("[MSG:Enabled]" if self.modes.check else "[MSG:Disabled]")
         self._wishes.resets = self._wishes.resets or not self.modes.check
-
-    def _jogs(self, context: ProgramContext) -> Moves:
-        """Moves of jogs, as they come."""
-        yield canon.Overrides(0, False)
-        at_mm = context.start_mm
-        while True:
-            text = self._feeder.next()
-            if text is NOT_YET:
-                if self._feeder.is_over() and self._stream.at_rest:
-                    return
-                yield canon.Breath(0)
-                continue
-            try:
-                move = jog_move(text, self._controller, self._stream.modal, at_mm)
-            except JogRefused as refused:
-                self._feeder.close(refused.code, refused.said)
-                continue
-            at_mm = move.to
-            self._feeder.leads_to(move)
-            yield move
 
     def _run(self) -> None:
         controller = self._controller
@@ -367,33 +376,3 @@ class Session:
 
     def _begin_lines(self) -> None:
         self._inbox.put_first(Sent(line, is_own=True) for line in self._store.start_lines if line)
-
-    # --- answers ---------------------------------------------------------------------------------
-
-    def _answer(self, line: Sent, code: Code, said: str) -> None:
-        if said:
-            self.tell(said)
-        text = f"error:{code:d}" if code else "ok"
-        self.say(f">{line.text}:{text}" if line.is_own else text)
-
-    def _inline(self, line: Sent) -> bool:
-        """A command among the lines of a job; False: it has to wait for a standstill."""
-        answer = self._system.inline(line)
-        if answer is None:
-            return False
-        self._inbox.take()
-        self._answer(line, *answer)
-        return True
-
-    def _saw(self, move: canon.Move, facts: canon.Facts | None) -> None:
-        if type(move) is canon.Probe and facts is not None:
-            at_mm = facts.position_mm if facts.contact_mm is None else facts.contact_mm
-            inches = bool(self._system.value(settings.INCHES))
-            where = self._axes.written(at_mm, inches=inches)
-            self._system.probed = f"[PRB:{where}:{int(facts.touched)}]"
-            self.say(self._system.probed)
-        elif type(move) is canon.End:
-            self.say("[MSG:Pgm End]")
-
-    def _parser_state(self) -> str:
-        return parser_state(self._stream.modal, self._stream.system)

@@ -103,7 +103,7 @@ class System:
     def inline(self, line: Sent) -> Answer | None:
         """Do what may be done at any time; None: it may not."""
         word = bare(line.text).upper()
-        if word == "$X" and not self._modes.alarm:
+        if word == "$X" and not (self._modes.alarm or self._modes.out):
             return _OK
         command = self._always.get(word)
         return None if command is None else command()

@@ -23,6 +23,7 @@ from fraese.phrases import spoken
 from fraese.ui.feed import StateFeed
 from fraese.ui.jogging import Jogger
 from fraese.ui.messages import Alarmed, Noted, Refused, StateChanged
+from fraese.ui.senders import Senders
 from fraese.ui.shape import shape_of
 
 #: What is said when a switch of a run is off, and on.
@@ -62,7 +63,7 @@ class MachineLink:
     ) -> None:
         self._controller = controller
         self._post = post
-        self._worker = Worker(controller, on_refusal=self._refused, on_idle=self.offer)
+        self._worker = Worker(controller, on_refusal=self._refused, on_idle=self._idle)
         self._feed = StateFeed(lambda: post(StateChanged()))
         self._jogger = Jogger(
             controller, self._worker, lambda said: post(Noted(said)), self._refused
@@ -73,14 +74,23 @@ class MachineLink:
         self.switches_tried: frozenset[str] = frozenset()
         self.left_at_start = left_by_crash(controller)
         controller.set_display(self._full_display)
-        controller.set_show_pos(self.offer)
+        controller.set_show_pos(self._between)
+        self._senders: Senders | None = None
+
+    def let_in(self, senders: Senders) -> None:
+        """Other programs may drive the machine, too; before ``start``."""
+        self._senders = senders
 
     def start(self) -> None:
         """Begin to work."""
         self._worker.start()
+        if self._senders is not None:
+            self._senders.start()
 
     def close(self) -> None:
         """Wait for standstill, motors off. Safe to call twice."""
+        if self._senders is not None:
+            self._senders.close()
         self._worker.close()
 
     # --- facts -----------------------------------------------------------------------------------
@@ -121,6 +131,38 @@ class MachineLink:
     def offer(self) -> None:
         """Tell of the state, if it is a new one. From any thread."""
         self._feed.offer(self._controller.state())
+
+    def _idle(self) -> None:
+        self.offer()
+        if self._senders is not None:
+            self._senders.look()
+
+    def _between(self) -> None:
+        self.offer()
+        if self._senders is not None:
+            self._senders.between()
+
+    @property
+    def was_stopped(self) -> bool:
+        """Since the command in hand was taken, somebody has told it to end."""
+        return self._worker.cancelled
+
+    def note(self, sentence: str) -> None:
+        """Let the app say this; from any thread."""
+        self._post(Noted(sentence))
+
+    def take_over(self) -> str:
+        """Take the machine from a sender, or give it back to him; what to say about it."""
+        sender = self._controller.sender
+        if self._senders is None or not (sender.name or sender.is_out):
+            return ""
+        self._senders.take(out=not sender.is_out)
+        self.offer()
+        return (
+            spoken("The sender may drive the machine again.")
+            if sender.is_out
+            else spoken("Taken over: nothing that the sender sends is done.")
+        )
 
     def _refused(self, sentence: str) -> None:
         self._post(Refused(sentence))

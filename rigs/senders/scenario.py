@@ -47,6 +47,9 @@ class Sender(Protocol):
     def reset(self) -> None:
         """Soft reset."""
 
+    def unlock(self) -> None:
+        """Take note of an alarm."""
+
     def close(self) -> None:
         """Leave."""
 
@@ -61,7 +64,9 @@ def wait(what: str, is_so: Callable[[], bool], patience_s: float = _PATIENCE_S) 
 
 
 def _word(sender: Sender) -> str:
-    return sender.state()[0].partition(":")[0]
+    word = sender.state()[0].partition(":")[0]
+    # bCNC shows which alarm it was.
+    return "Alarm" if word == "ALARM" else word
 
 
 def _is_near(place: Place, wanted: Place) -> bool:
@@ -112,7 +117,7 @@ def play(sender: Sender, folder: Path, count: int = program.LINES) -> dict[str, 
         time.sleep(2)
         sender.reset()
         wait("the reset locks it", lambda: _word(sender) == "Alarm")
-        sender.send("$X")
+        sender.unlock()
         wait("it is unlocked", lambda: _word(sender) == "Idle")
         _jog(sender)
         believed = sender.state()[1]

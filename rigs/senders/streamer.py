@@ -54,5 +54,9 @@ class Streamer:
     def reset(self) -> None:
         self._it.abort()
 
+    def unlock(self) -> None:
+        self._it.killalarm()
+
     def close(self) -> None:
-        self._it.disconnect()
+        if self._it.is_connected():
+            self._it.disconnect()

@@ -108,6 +108,11 @@ AFTERWARDS: Final = (
         " the last of the probing cycles.", "Program",
     ),
     Row(
+        Area.VIEWS, "O", "O", "take_over", "Take over",
+        "Take the machine from another program that is connected as a sender, with ramp, or give it"
+        " back.", "Stop",
+    ),
+    Row(
         Area.MACHINE, "k", "k", "after_crash", "After a crash …",
         "What is known of the position; take it as it was left, or reference again.", "Position",
     ),

@@ -307,6 +307,14 @@ class View(Screen[None]):
         """Override of rapids up or down."""
         self.desk.link.override_rapids(by_percent)
 
+    def action_take_over(self) -> None:
+        """Take the machine from a sender, or give it back."""
+        said = self.desk.link.take_over()
+        if said:
+            self.note(said)
+        else:
+            self.refuse(spoken("No sender is connected."))
+
     def action_log(self) -> None:
         """Log on or off, also while a job runs."""
         try:

@@ -1,6 +1,6 @@
 """What is in force, in one line: offset, tool, spindle, feed and overrides, switches of a run.
 
-G54  G92  MAP  T2  D3  G43 12.5  S12000 on by hand  F300 × 80% = 240  rapids 50%  single block
+G54  G92  MAP  SENDER mill  T2  D3  G43 12.5  S12000 on by hand  F300 × 80% = 240  rapids 50%
 """
 
 from collections.abc import Iterator
@@ -16,6 +16,7 @@ def in_force(state: MachineState) -> list[str]:
     """The words, the most important first."""
     return [
         *_where(state),
+        *_sender(state),
         *_tool(state),
         *_spindle(state),
         *_feed(state),
@@ -31,6 +32,15 @@ def switches(state: MachineState) -> list[str]:
         (spoken("/ left out"), state.block_delete),
     )
     return [name for name, on in said if on]
+
+
+def _sender(state: MachineState) -> Iterator[str]:
+    """Who else drives the machine, by the last part of where he is."""
+    sender = state.sender
+    if sender.is_out:
+        yield spoken("SENDER OUT")
+    elif sender.name:
+        yield spoken("SENDER {name}", name=sender.name.rpartition("/")[2])
 
 
 def _where(state: MachineState) -> Iterator[str]:
