@@ -12,7 +12,7 @@ MUTANTS: Final = (
         "assembly/drivers: no output is safe at standstill",
         "the laser burns on while a program is held",
         _A + "drivers.py",
-        'return self.config.outputs.off_at_rest',
+        "return self.config.outputs.off_at_rest",
         "return 0",
         _LASER,
     ),

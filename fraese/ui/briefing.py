@@ -124,9 +124,7 @@ def _bounds(facts: Facts, state: MachineState, shape: Shape) -> list[Line]:
 def _axis(axis: AxisShape, low: float, high: float, state: MachineState, index: int) -> Line:
     reach = f"{three_decimals(low)} … {three_decimals(high)}"
     if not state.referenced[index]:
-        return Line(
-            axis.letter, spoken("{reach} from here, no limits", reach=reach), "-warn"
-        )
+        return Line(axis.letter, spoken("{reach} from here, no limits", reach=reach), "-warn")
     first, last = state.low_mm[index], state.high_mm[index]
     travel = spoken("{reach} in {first:g} … {last:g}", reach=reach, first=first, last=last)
     slack = 1e-6
