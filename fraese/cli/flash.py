@@ -1,6 +1,6 @@
 """The firmware put on a board: found, written by avrdude, tried out.
 
-    port free? --> avrdude, once for each boot loader that it may have --> ``bridge test``
+    port free? --> somebody asked --> which boot loader answers? --> avrdude --> ``bridge test``
 
 Rule 1: nothing is written before somebody has said yes: whatever was on the board is gone then.
 Rule 2: what avrdude says is shown where it failed, and only what tells why.
@@ -21,6 +21,7 @@ from fraese.cli.bridgetrial import tried
 from fraese.cli.output import note, say
 from fraese.errors import Cancelled, PortError, UsageError
 from fraese.motor.bridge.boards import BOARDS, IMAGE_BAUD, Try, boards_of, tries_of
+from fraese.motor.bridge.bootloader import answers
 from fraese.motor.bridge.line import serial_ports
 from fraese.phrases import joined, phrase
 
@@ -77,7 +78,7 @@ def flashed(place: Place, board: str | None, *, yes: bool, dry_run: bool, as_jso
     # What is in the way is said in our own words; closed, so that avrdude can have it.
     place.line().close()
     _ask(tries, place.device, yes=yes)
-    done = _write(tries, place.device, program)
+    done = _write(_answering(tries, place.device), place.device, program)
     note(phrase("{title}: written and read back.", title=done.board.title))
     if place.baud != IMAGE_BAUD:
         note(
@@ -131,6 +132,26 @@ def _ask(tries: Sequence[Try], device: str, *, yes: bool) -> None:
     note(joined("", (question, " [y/N] ")), end="")
     if sys.stdin.readline().strip().lower() not in ("y", "yes", "j", "ja"):
         raise Cancelled(phrase("Nothing was written."))
+
+
+def _answering(tries: Sequence[Try], device: str) -> Sequence[Try]:
+    """Of several, those that answer; of one, it.
+
+    Raises:
+        PortError: none does.
+    """
+    if len(tries) == 1:
+        return tries
+    for each in tries:
+        if answers(device, each):
+            return (each,)
+    raise PortError(
+        phrase(
+            "No boot loader on {device} answers: is it an Uno, a Nano or a Mega? One that is not"
+            " reset by its port is written with --board, while its button is pressed.",
+            device=device,
+        )
+    )
 
 
 def _write(tries: Sequence[Try], device: str, program: str) -> Try:

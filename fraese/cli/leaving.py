@@ -45,7 +45,8 @@ def refuse(error: FraeseError, *, as_json: bool) -> int:
         word = words.get(type(error), "refused")
         said = {"message": str(error), **cause.details()}
         result(json.dumps({"status": word, **said, **alarm_result(cause)}))
-    note("fraese: " + str(error).rstrip(".") + ".")
+    sentence = str(error)
+    note("fraese: " + (sentence if sentence.endswith("?") else sentence.rstrip(".") + "."))
     # Where nothing has moved, the sentence says what to do.
     if isinstance(cause, Alarm) and cause.kind.trust is not Trust.UNMOVED:
         note(with_advice(cause.kind))

@@ -12,6 +12,8 @@ SIGNATURE: Final = bytes((0x1E, 0x95, 0x0F))
 _FIXED: Final = {0x30: 0, 0x31: 0, 0x41: 1, 0x42: 20, 0x45: 5, 0x50: 0, 0x51: 0, 0x55: 2, 0x56: 4,
                  0x74: 3, 0x75: 0}  # fmt: skip
 _PROGRAM: Final = 0x64
+#: What STK500v2 says to its first word; the checksum is not looked at.
+_SIGNED_ON: Final = b"\x1b\x01\x00\x0b\x0e\x01\x00\x08AVRISP_2\x00"
 
 
 class BootLoader:
@@ -19,6 +21,7 @@ class BootLoader:
 
     Args:
         signature: of its chip.
+        speaks_v2: it answers to STK500v2's first word, and to nothing else.
 
     Attributes:
         port: its name.
@@ -26,8 +29,9 @@ class BootLoader:
         left: it was told to start what was written.
     """
 
-    def __init__(self, signature: bytes = SIGNATURE) -> None:
+    def __init__(self, signature: bytes = SIGNATURE, *, speaks_v2: bool = False) -> None:
         self._signature = signature
+        self._speaks_v2 = speaks_v2
         self._ours, theirs = os.openpty()
         tty.setraw(theirs)
         self.port = os.ttyname(theirs)
@@ -55,7 +59,10 @@ class BootLoader:
         try:
             while True:
                 command = self._read(1)[0]
-                if command == _PROGRAM:
+                if self._speaks_v2:
+                    if command == 0x1B and self._read(6)[4] == 1:
+                        os.write(self._ours, _SIGNED_ON)
+                elif command == _PROGRAM:
                     self._program()
                 elif command in _FIXED:
                     words = self._read(_FIXED[command] + 1)

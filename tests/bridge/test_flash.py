@@ -5,6 +5,7 @@ import shutil
 import stat
 import subprocess
 import sys
+import tty
 from pathlib import Path
 
 import pytest
@@ -151,11 +152,34 @@ def test_nothing_is_written_unless_somebody_says_yes(
     assert _calls(avrdude) == []
 
 
-def test_where_no_boot_loader_answers_the_last_words_are_shown(avrdude: Path) -> None:
+def test_where_it_cannot_be_written_it_says_what_avrdude_said(avrdude: Path) -> None:
     (avrdude / "fails").write_text("-p")
     with BootLoader() as loader, pytest.raises(PortError, match="programmer is not responding"):
+        flash.flashed(_place(loader.port), "nano", yes=True, dry_run=False, as_json=False)
+    assert len(_calls(avrdude)) == 1
+
+
+@pytest.mark.parametrize(
+    ("speaks_v2", "called"), [(False, "atmega328p -c arduino"), (True, "atmega2560 -c wiring")]
+)
+def test_the_boot_loader_that_answers_is_written(
+    speaks_v2: bool, called: str, avrdude: Path
+) -> None:
+    (avrdude / "fails").write_text("-p")
+    with BootLoader(speaks_v2=speaks_v2) as loader, pytest.raises(PortError):
         flash.flashed(_place(loader.port), None, yes=True, dry_run=False, as_json=False)
-    assert len(_calls(avrdude)) == 3
+    (call,) = _calls(avrdude)
+    assert call.startswith(f"-p {called} -P {loader.port} -b 115200")
+
+
+def test_a_port_on_which_none_answers_is_not_written(avrdude: Path) -> None:
+    ours, theirs = os.openpty()
+    tty.setraw(theirs)
+    with pytest.raises(PortError, match=r"No boot loader on .* answers: is it an Uno, a Nano"):
+        flash.flashed(_place(os.ttyname(theirs)), None, yes=True, dry_run=False, as_json=False)
+    os.close(ours)
+    os.close(theirs)
+    assert _calls(avrdude) == []
 
 
 # --- whole ---------------------------------------------------------------------------------------

@@ -6,9 +6,9 @@
     mega    ATmega2560   STK500v2, 115200 baud    images/mega.hex
 
 Numbers of USB devices and of boot loaders are those of Arduino's ``boards.txt``. Boards with a
-converter (FTDI, CH340) do not say what they are: all are tried in turn. Nothing goes wrong by that:
-the boot loader of another chip does not answer, and avrdude reads the chip's signature before it
-writes.
+converter (FTDI, CH340) do not say what they are: their boot loaders are greeted in turn. Nothing
+goes wrong by that: one of another chip does not answer, and avrdude reads the chip's signature
+before it writes.
 """
 
 from collections.abc import Mapping, Sequence
