@@ -48,11 +48,10 @@ static void set_condition(struct condition *condition, uint8_t pins, uint8_t val
  * that differ from the last. */
 static void set_quiet(void)
 {
-    beat.restless = inputs.end_switch.run || inputs.watching ? RESTLESS : 0;
+    beat.restless = inputs.open.run || inputs.watching ? RESTLESS : 0;
     beat.quiet = inputs.pins;
-    beat.mind = inputs.end_switch.pins | beat.restless;
-    player.is_minded =
-        inputs.watching || inputs.watch_hides_switch || inputs.end_switch.is_true;
+    beat.mind = inputs.open.pins | beat.restless;
+    player.is_minded = inputs.watching | inputs.watch_hides_switch | is_contact();
 }
 
 static bool needs_look(uint8_t pins)
@@ -63,8 +62,9 @@ static bool needs_look(uint8_t pins)
 void inputs_begin(void)
 {
     uint8_t pins = pins_of(card.facts.switch_mask);
-    set_condition(&inputs.end_switch, pins, levels_of(card.facts.switch_value));
-    inputs.watching = inputs.watch_hides_switch = inputs.contact = inputs.latched = false;
+    set_condition(&inputs.open, pins, ~levels_of(card.facts.switch_value));
+    inputs.open.is_true = true;
+    inputs.watching = inputs.watch_hides_switch = inputs.latched = false;
     beat.mind = beat.restless = RESTLESS;
 }
 
@@ -86,8 +86,7 @@ static bool take(struct condition *condition, uint8_t pins, const struct place *
 
 static void note_contact(void)
 {
-    inputs.contact = inputs.end_switch.is_true;
-    if (inputs.contact) {
+    if (is_contact()) {
         inputs.contact_serial = player.serial;
         inputs.contact_oldest = marks[MARKS - 1];
     }
@@ -113,7 +112,7 @@ static void act_on_watch(void)
 
 static void act_on_switch(void)
 {
-    bool acts = inputs.end_switch.is_true && !inputs.watch_hides_switch && !inputs.ignores_switch;
+    bool acts = is_contact() && !inputs.watch_hides_switch && !inputs.ignores_switch;
     if (acts && player.block && !inputs.drop_when_still) {
         inputs.stop_reason = ENDED_SWITCH;
         wish(WANT_STOP);
@@ -123,7 +122,7 @@ static void act_on_switch(void)
 static void examine(uint8_t pins, const struct place *place)
 {
     inputs.pins = pins & STATUS_PINS;
-    if (take(&inputs.end_switch, pins, place))
+    if (take(&inputs.open, pins, place))
         note_contact();
     bool fulfilled = inputs.watching && take(&inputs.watch, pins, place);
     if (fulfilled) {
@@ -144,7 +143,7 @@ void inputs_begin_block(const struct block *block)
     inputs.watching = block->watch_pins != 0;
     if (inputs.watching) {
         set_condition(&inputs.watch, block->watch_pins, block->watch_value);
-        inputs.watch_hides_switch = block->watch_pins & inputs.end_switch.pins;
+        inputs.watch_hides_switch = block->watch_pins & inputs.open.pins;
         inputs.watch_reacts = block->watch_action != WATCH_IGNORE;
         inputs.watch_action = block->watch_action;
         inputs.latched = false;
@@ -155,7 +154,7 @@ void inputs_begin_block(const struct block *block)
 
 void inputs_end_block(void)
 {
-    if (!inputs.watching && !inputs.watch_hides_switch)
+    if (!(inputs.watching | inputs.watch_hides_switch))
         return;
     inputs.watching = inputs.watch_hides_switch = false;
     set_quiet();

@@ -6,7 +6,9 @@
  * Rule 3: a reading asks for a stop or a brake; the tick in hand is finished first.
  * Rule 4: a watch that ends the run brakes above the start/stop rate and stops dead below it. While
  *         the motors brake for it, the end switches do not act.
- * Rule 5: which end a contact may be is worked out by the host, from the blocks named here.
+ * Rule 5: end switches may have several inputs. What is counted is that all of them are open; contact
+ *         is that they are not.
+ * Rule 6: which end a contact may be is worked out by the host, from the blocks named here.
  */
 #ifndef INPUTS_H
 #define INPUTS_H
@@ -21,7 +23,7 @@ struct condition {
 };
 
 struct inputs {
-    struct condition end_switch, watch;
+    struct condition open, watch; /* open: no end switch shows contact */
     bool watching;
     bool watch_hides_switch;
     bool watch_reacts;
@@ -30,7 +32,6 @@ struct inputs {
     volatile bool drop_when_still;
     uint8_t stop_reason;
     bool latched;
-    bool contact;  /* there was a contact that has not gone */
     struct place latched_at;
     uint16_t contact_serial, contact_oldest;
     uint8_t pins;  /* as last read */
@@ -38,6 +39,12 @@ struct inputs {
 };
 
 extern struct inputs inputs;
+
+/* Some end switch shows contact. */
+static inline bool is_contact(void)
+{
+    return !inputs.open.is_true;
+}
 
 /* Pins that belong to bits of the status register, and their levels for a register value. */
 uint8_t pins_of(uint8_t status_mask);

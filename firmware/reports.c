@@ -14,7 +14,7 @@
 #include "throttle.h"
 
 #define FIRMWARE_MAJOR 1
-#define FIRMWARE_MINOR 3
+#define FIRMWARE_MINOR 4
 
 static uint8_t reset_reason;
 static uint16_t boots;
@@ -91,7 +91,7 @@ static uint8_t state_bits(void)
         bits |= STATE_ENERGISED;
     if (wished(WANT_BRAKE) || throttle.state == CLOSING)
         bits |= STATE_BRAKING;
-    if (inputs.end_switch.is_true)
+    if (is_contact())
         bits |= STATE_SWITCH;
     if (inputs.latched)
         bits |= STATE_LATCHED;
@@ -107,7 +107,7 @@ static uint8_t more_bits(void)
     uint8_t bits = player.block ? MORE_IN_HAND : 0;
     if (card.loaded)
         bits |= MORE_CARD;
-    if (inputs.contact)
+    if (is_contact())
         bits |= MORE_CONTACT;
     return bits;
 }

@@ -109,8 +109,8 @@ MUTANTS: Final = (
         "control/homing: what did not help is not undone",
         "an axis is backed off into its other end",
         _C + "homing.py",
-        "        for axis, distance in reversed(made):\n",
-        "        for axis, distance in ():\n",
+        "        for axis, sign, distance in reversed(made):\n",
+        "        for axis, sign, distance in ():\n",
         tests_of(
             "control/test_homing.py", "test_what_did_not_help_is_undone_before_the_next_is_tried"
         ),
@@ -119,7 +119,7 @@ MUTANTS: Final = (
         "control/homing: a switch that does not open again is left at that",
         "machine zero is wherever the axis happened to stand",
         _C + "homing.py",
-        "        if report.switch_closed:\n            raise HomingError(\n",
+        "        if self._switches.shows(end):\n            raise HomingError(\n",
         "        if False:\n            raise HomingError(\n",
         tests_of("control/test_homing.py", "test_a_pull_off_shorter_than_the_switch_needs"),
     ),
@@ -356,5 +356,13 @@ MUTANTS: Final = (
             "control/test_queue.py",
             "test_short_lines_of_a_machine_that_brakes_slowly_never_run_dry",
         ),
+    ),
+    Mutant(
+        "control/endswitches: what an input tells is not heard",
+        "all ends are named where one input shows which they may be",
+        _C + "endswitches.py",
+        "            if line.stops and self._report.inputs & mask == closed:\n",
+        "            if line.stops:\n",
+        ("tests/control/test_switchlines.py",),
     ),
 )

@@ -275,4 +275,12 @@ MUTANTS: Final = (
         "_RESERVE_Q8: Final = 0",
         tests_of("motor/test_throttle.py", "TestDryQueue"),
     ),
+    Mutant(
+        "motor/switches: contact is on all inputs or none",
+        "an end switch stops nothing while another one is open",
+        "fraese/motor/switches.py",
+        "return (status ^ self._value) & self._mask != self._mask",
+        "return status & self._mask == self._value",
+        ("tests/control/test_switchlines.py",),
+    ),
 )

@@ -70,9 +70,9 @@ class Order:
 
     @property
     def switch(self) -> SwitchInput:
-        """The shared end-switch input."""
+        """The inputs of the end switches."""
         switches = self.config.switches
-        return SwitchInput(*contact_bits(switches), switches.readings)
+        return SwitchInput(*contact_bits(self.config), switches.readings)
 
     @property
     def settle_s(self) -> float:

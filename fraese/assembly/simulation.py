@@ -4,12 +4,12 @@ Other electronics are a class like ``SmcElectronics``, in the record of their ca
 """
 
 from fraese.assembly.solids import feeler_of
+from fraese.assembly.switchboard import own_lines, wiring
 from fraese.assembly.trueaxis import true_axes
 from fraese.config import Config
-from fraese.control.endswitches import contact_bits
 from fraese.kinds.card import card_kind
 from fraese.motor.mill import Mill
-from fraese.motor.ports.sim import SimulatedMill, Wiring
+from fraese.motor.ports.sim import SimulatedMill
 from fraese.motor.seams import Clock
 
 
@@ -20,8 +20,8 @@ def simulated_mill(config: Config, clock: Clock) -> SimulatedMill:
         [axis.slide(simulation.snaps_to_pole) for axis in axes],
         lag_s=simulation.lag_ms / 1000,
         bounce_readings=simulation.bounce_readings,
+        own_lines=own_lines(config, axes),
     )
     sockets = [axis.socket for axis in axes]
     electronics = card_kind(config).electronics(mill, clock, config, sockets)
-    wiring = Wiring(*contact_bits(config.switches))
-    return SimulatedMill(mill, electronics, clock, wiring, feeler_of(config))
+    return SimulatedMill(mill, electronics, clock, wiring(config, axes), feeler_of(config))

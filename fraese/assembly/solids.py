@@ -25,8 +25,8 @@ def feeler_of(config: Config) -> Feeler | None:
     table = Table(config)
     if not table.blocks:
         return None
-    mask, touching = probe_bits(config.probe, config.switches)
-    shared = contact_bits(config.switches)[0] == mask
+    mask, touching = probe_bits(config)
+    shared = bool(contact_bits(config)[0] & mask)
     return Feeler(table.is_touched, mask, touching, shared)
 
 

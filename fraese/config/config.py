@@ -14,13 +14,12 @@ from fraese.config.person import KeyNames, MacroConfig
 from fraese.config.section import Section
 from fraese.config.serving import ServeConfig
 from fraese.config.simulation import SimulationConfig
+from fraese.config.switches import ProbeConfig, SwitchesConfig, SwitchLine
 from fraese.config.wiring import (
     CardConfig,
     PortConfig,
-    ProbeConfig,
     RealtimeConfig,
     StandstillConfig,
-    SwitchesConfig,
 )
 from fraese.config.work import (
     HomingConfig,
@@ -112,6 +111,7 @@ class Config(Section):
         self._check_order()
         self._check_safe_z()
         self._check_probe()
+        self._check_switches()
         self._check_outputs()
         self._check_simulation()
 
@@ -235,6 +235,49 @@ class Config(Section):
                     closed_reads_2=switches.closed_reads,
                 )
             )
+
+    @property
+    def switch_lines(self) -> tuple[SwitchLine, ...]:
+        """Every input with switches on it."""
+        return self.switches.lines(self._ends)
+
+    @property
+    def _ends(self) -> list[str]:
+        """Names of all ends that have a switch."""
+        axes = self.axes.table.items()
+        return [name + end for name, axis in axes if axis.has_switches for end in ("min", "max")]
+
+    def _check_switches(self) -> None:
+        pins: dict[int, str]
+        pins = {} if self.probe.pin in (None, self.switches.pin) else {self.probe.pin: "probe"}
+        seen: set[tuple[str, bool]] = set()
+        for line in self.switch_lines:
+            key = f"switches.own.{line.name}" if line.name else "switches"
+            if line.pin in pins:
+                raise ValueError(
+                    phrase(
+                        "{key}.pin {pin} is that of {other} already",
+                        key=key,
+                        pin=line.pin,
+                        other=pins[line.pin],
+                    )
+                )
+            pins[line.pin] = key
+            for end in sorted(line.ends):
+                if end not in self._ends:
+                    raise ValueError(
+                        phrase(
+                            '{key}.ends: there is no end switch "{end}"; there are {ends}',
+                            key=key,
+                            end=end[:40],
+                            ends=", ".join(self._ends) or phrase("none"),
+                        )
+                    )
+                if (end, line.stops) in seen:
+                    raise ValueError(
+                        phrase("{key}.ends: {end} is on another input already", key=key, end=end)
+                    )
+                seen.add((end, line.stops))
 
     def _check_outputs(self) -> None:
         taken = set(known_card(self.card.kind).taken_pins)

@@ -27,6 +27,7 @@ from fraese.config.outputs import OwnOutput
 from fraese.config.section import Section, Truth
 from fraese.config.simulation import SimulatedAxis
 from fraese.config.solid import SimulatedSolid
+from fraese.config.switches import OwnInput
 from fraese.config.work import ToolConfig
 from fraese.errors import ConfigError
 from fraese.phrases import Phrase, joined, phrase, reason
@@ -80,6 +81,7 @@ _NAMED_AT_WILL: Mapping[type[Section], str] = {
     SimulatedAxis: "x",
     SimulatedSolid: "plate",
     OwnOutput: "air",
+    OwnInput: "x",
 }
 
 

@@ -199,6 +199,13 @@ class SimulationConfig(SimulatedMotor):
     bounce_readings: int = Field(
         0, ge=0, le=100, description=("Readings after each change that bounce.")
     )
+    reference_mm: NotNegative = Field(
+        1,
+        description=(
+            "How far before its end switch a carriage presses the one for referencing, where there"
+            " is one, mm or degrees."
+        ),
+    )
     tool_length_mm: NotNegative = Field(
         0, description="How far the tool really reaches below the spindle, mm."
     )

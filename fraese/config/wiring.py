@@ -8,9 +8,6 @@ from fraese.config.chosen import NameOf, known_port
 from fraese.config.section import Section
 from fraese.peers import CARDS, PORTS
 
-#: DB25 pins of the status register.
-StatusPin = Literal[10, 11, 12, 13, 15]
-
 
 class CardConfig(Section):
     """The electronics between port and motors."""
@@ -143,41 +140,6 @@ class RealtimeConfig(Section):
     def busy_s(self) -> float:
         """So long a bridge is told that the program lives, though nobody looks at the line."""
         return max(0.0, self.silent_s - self.silence_of_bridge_s)
-
-
-class SwitchesConfig(Section):
-    """The shared end-switch input."""
-
-    mode: Literal["stop", "ignore"] = Field(
-        "stop",
-        description=("What a contact does: stop the motors, or nothing (for trying things out)."),
-    )
-    pin: StatusPin = Field(11, description="DB25 pin of the status register.")
-    closed_reads: Literal[0, 1] = Field(
-        0, description=("How the pin's register bit reads with contact.")
-    )
-    readings: int = Field(
-        3,
-        ge=1,
-        le=100,
-        description=(
-            "Equal readings in a row that make or end a contact; 1 is the original's behaviour."
-        ),
-    )
-
-
-class ProbeConfig(Section):
-    """The probe of G38.2 to G38.5."""
-
-    pin: StatusPin | None = Field(
-        None,
-        description=(
-            "DB25 pin of the status register; without one the probe shares the end switches' input."
-        ),
-    )
-    closed_reads: Literal[0, 1] = Field(
-        0, description="How the register bit of a pin of its own reads with contact."
-    )
 
 
 class StandstillConfig(Section):

@@ -5,7 +5,8 @@ from typing import Literal
 from pydantic import Field
 
 from fraese.config.section import Section
-from fraese.config.wiring import PortConfig, StatusPin
+from fraese.config.switches import StatusPin
+from fraese.config.wiring import PortConfig
 
 KeysName = Literal["auto", "kitty", "plain", "evdev"]
 

@@ -1,9 +1,10 @@
 """End switches and probe: what the inputs mean, which end was met, and what may still move.
 
-All switches hang on one input. The driver names the ends that a contact may be, from what moved;
-what is known of the position leaves out those that are far away:
+As a rule all switches hang on one input. The driver names the ends that a contact may be, from what
+moved; inputs that show no contact, and what is known of the position, leave out others:
 
     driver's candidates, in motor directions --motor_sign--> axis directions --near?--> ends
+                                     ends on inputs that show contact ----------'
 
 Rule 1: an end that a referenced position excludes is none. If that leaves nothing, nobody moved
         into an end, and it is any of those that the position allows.
@@ -12,35 +13,48 @@ Rule 2: on a closed switch nothing moves but a jog away from it, a reference run
 Rule 3: a probe without a pin of its own shares the end switches' input.
 Rule 4: a contact that lasts from one command to the next is the same contact: what was known of it
         is kept, and counts until the input opens. A driver that has just begun knows nothing of it.
+Rule 5: an input for referencing is watched in a reference run, and means nothing else.
 """
 
 from collections.abc import Sequence
-from typing import Final
 
 from fraese.anythread import any_thread
 from fraese.blocks import Watch, WatchAction
 from fraese.config import Config
-from fraese.config.wiring import ProbeConfig, SwitchesConfig
+from fraese.config.switches import SwitchLine
 from fraese.control.position import Position
 from fraese.errors import StateError, SwitchAlarm
 from fraese.motor.pins import STATUS_PINS
 from fraese.motor.seams import End, Report, StepDriver, SwitchMode
 from fraese.phrases import joined, phrase
 
-
-def contact_bits(switches: SwitchesConfig) -> tuple[int, int]:
-    """Mask of the end switches' bit in the status register, and its value with contact."""
-    return _bits(switches.pin, bool(switches.closed_reads))
+Bits = tuple[int, int]
 
 
-def probe_bits(probe: ProbeConfig, switches: SwitchesConfig) -> tuple[int, int]:
-    """The same of the probe, which may share their input."""
+def line_bits(line: SwitchLine) -> Bits:
+    """Mask of an input's bit in the status register, and its value with contact."""
+    return _bits(line.pin, bool(line.closed_reads))
+
+
+def contact_bits(config: Config) -> Bits:
+    """The same of all inputs on which contact stops the motors: any of them is enough."""
+    mask = value = 0
+    for line in config.switch_lines:
+        if line.stops:
+            bit, closed = line_bits(line)
+            mask, value = mask | bit, value | closed
+    return mask, value
+
+
+def probe_bits(config: Config) -> Bits:
+    """The same of the probe, which may share the end switches' input."""
+    probe, switches = config.probe, config.switches
     if probe.pin is None:
-        return contact_bits(switches)
+        return _bits(switches.pin, bool(switches.closed_reads))
     return _bits(probe.pin, bool(probe.closed_reads))
 
 
-def _bits(pin: int, is_set: bool) -> tuple[int, int]:
+def _bits(pin: int, is_set: bool) -> Bits:
     mask = STATUS_PINS[pin].bit
     return mask, mask if is_set else 0
 
@@ -52,24 +66,27 @@ class EndSwitches:
         config: pins and levels.
         position: what is known of the position.
         driver: told whether a contact stops the motors.
-
-    Attributes:
-        pin: the input, a DB25 pin.
     """
 
     #: The inputs, as last read.
     _report: Report
 
     def __init__(self, config: Config, position: Position, driver: StepDriver) -> None:
-        self._contact = contact_bits(config.switches)
-        self._probe = probe_bits(config.probe, config.switches)
+        self._contact = contact_bits(config)
+        self._probe = probe_bits(config)
+        # Inputs for referencing come first: where there is one, it is what is looked for.
+        self._lines = sorted(config.switch_lines, key=lambda line: line.stops)
         self._reach_mm = 2 * config.homing.pull_off_mm
         self._machine = position.machine
         self._position = position
         self._driver = driver
         self._ignored = config.switches.mode == "ignore"
         self._kept: frozenset[End] = frozenset()
-        self.pin: Final = config.switches.pin
+
+    @property
+    def inputs(self) -> int:
+        """How many inputs there are on which contact stops the motors."""
+        return sum(line.stops for line in self._lines)
 
     def open(self) -> None:
         """The first word to the driver: whether a contact stops the motors."""
@@ -83,9 +100,38 @@ class EndSwitches:
 
     # --- the inputs ----------------------------------------------------------------------------
 
-    def watch(self, *, closed: bool, action: WatchAction) -> Watch:
-        """A watch on the end-switch input."""
-        return _watch(self._contact, closed, action)
+    def watch(self, *, closed: bool, action: WatchAction, end: End | None = None) -> Watch:
+        """A watch on the input of an end; without one, for no contact on any input."""
+        return _watch(self._contact if end is None else self._bits_of(end), closed, action)
+
+    def pin_of(self, end: End) -> int:
+        """Of the input on which an end is looked for, DB25."""
+        return self._line_of(end).pin
+
+    def shows(self, end: End) -> bool:
+        """Whether the input on which an end is looked for shows contact, as last read."""
+        mask, closed = self._bits_of(end)
+        if mask == self._contact[0]:
+            return self.closed
+        return self._report.inputs & mask == closed
+
+    def _line_of(self, end: End) -> SwitchLine:
+        name = self.name(end)
+        found = next((line for line in self._lines if name in line.ends), None)
+        return found or self._lines[-1]
+
+    def _bits_of(self, end: End) -> Bits:
+        return line_bits(self._line_of(end))
+
+    def _showing(self) -> frozenset[End]:
+        """Ends on inputs that show contact, as last read; all, where none does for the moment."""
+        every = self._every()
+        names = set[str]()
+        for line in self._lines:
+            mask, closed = line_bits(line)
+            if line.stops and self._report.inputs & mask == closed:
+                names |= line.ends
+        return frozenset(end for end in every if self.name(end) in names) or every
 
     def probe_watch(self, *, closed: bool, action: WatchAction) -> Watch:
         """A watch on the probe input."""
@@ -128,7 +174,7 @@ class EndSwitches:
         )
         if not candidates:
             return candidates
-        every = self._every()
+        every = self._showing()
         near = frozenset(end for end in every if self._is_near(end))
         ends = candidates & near or near or candidates & every or every
         # That it may be any end is no news.

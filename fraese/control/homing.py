@@ -105,10 +105,13 @@ class Homing:
         report = yield STANDSTILL
         if report.switch_closed and any(self._axis(name).has_switches for name in axes):
             yield Doing(phrase("a switch is closed: off whichever it is"))
-            ends = self._switches.ends()
-            # Since the last command somebody may have moved a carriage by hand.
-            others = self._switches.ends(kept=False) - ends
-            yield from self._free(self._order(ends, axes) + self._order(others, axes))
+            for _ in range(self._switches.inputs):
+                ends = self._switches.ends()
+                # Since the last command somebody may have moved a carriage by hand.
+                others = self._switches.ends(kept=False) - ends
+                yield from self._free(self._order(ends, axes) + self._order(others, axes))
+                if not self._switches.closed:
+                    break
         said = []
         for name in axes:
             said.append((yield from self._reference(name)))
@@ -176,7 +179,8 @@ class Homing:
         search_mm = axis.travel_mm * config.search_factor
         end = self._name(axis, sign)
         yield Doing(phrase("{name}: to the switch {end}", name=axis.name.upper(), end=end))
-        report = yield from self._go(axis, sign * search_mm, config.approach_mm_min, closed=True)
+        feed_mm_min = config.approach_mm_min
+        report = yield from self._go(axis, sign * search_mm, feed_mm_min, sign, closed=True)
         if report.ended is not Ended.WATCH:
             lost = self._lost()
             on_the_way = (
@@ -211,7 +215,7 @@ class Homing:
             )
         )
         report = yield from self._go(
-            axis, sign * 2 * config.back_off_max_mm, config.slow_mm_min, closed=True
+            axis, sign * 2 * config.back_off_max_mm, config.slow_mm_min, sign, closed=True
         )
         if report.ended is not Ended.WATCH:
             raise HomingError(
@@ -229,7 +233,7 @@ class Homing:
     def _open(self, axis: Axis, sign: int) -> _Steps:
         config = self._config
         report = yield from self._go(
-            axis, -sign * config.back_off_max_mm, config.slow_mm_min, closed=False
+            axis, -sign * config.back_off_max_mm, config.slow_mm_min, sign, closed=False
         )
         if report.ended is not Ended.WATCH:
             raise HomingError(
@@ -237,7 +241,7 @@ class Homing:
                     "End switch {name} does not open again within {with_unit}: {wire}",
                     name=self._name(axis, sign),
                     with_unit=axis.with_unit(config.back_off_max_mm),
-                    wire=self._wire(),
+                    wire=self._wire(self._end(axis, sign)),
                 ),
                 alarms.END_STUCK,
                 end=self._name(axis, sign),
@@ -258,18 +262,19 @@ class Homing:
         index = self._machine.index(axis.name)
         target = contact - sign * axis.to_steps(self._config.pull_off_mm)
         distance = target - self._position.position_steps[index]
-        watch = self._switches.watch(closed=False, action=WatchAction.IGNORE)
+        end = self._end(axis, sign)
+        watch = self._switches.watch(closed=False, action=WatchAction.IGNORE, end=end)
         feed_mm_min = self._config.approach_mm_min
         yield from axis_line(self._position, index, distance, feed_mm_min, watch, most=1.0)
         report = yield STANDSTILL
-        if report.switch_closed:
+        if self._switches.shows(end):
             raise HomingError(
                 phrase(
                     "End switch {name} is still closed at the pull-off distance of"
                     " {with_unit}: make homing.pull_off_mm longer, or {wire}",
                     name=self._name(axis, sign),
                     with_unit=axis.with_unit(self._config.pull_off_mm),
-                    wire=self._wire(),
+                    wire=self._wire(end),
                 ),
                 alarms.END_AT_PULL_OFF,
                 end=self._name(axis, sign),
@@ -294,7 +299,7 @@ class Homing:
                 " {names}: {wire}",
                 reach_mm=reach_mm,
                 names=names,
-                wire=self._wire(),
+                wire=self._wire(candidates[0]),
             ),
             alarms.END_UNKNOWN,
             ends=[self._switches.name(end) for end in candidates],
@@ -307,14 +312,14 @@ class Homing:
             axis = self._machine.axes[end.motor]
             before = self._position.position_steps[end.motor]
             report = yield from self._go(
-                axis, -end.sign * reach_mm, self._config.slow_mm_min, closed=False
+                axis, -end.sign * reach_mm, self._config.slow_mm_min, end.sign, closed=False
             )
             if report.ended is Ended.WATCH:
                 return True
-            made.append((axis, before - self._position.position_steps[end.motor]))
-        for axis, distance in reversed(made):
+            made.append((axis, end.sign, before - self._position.position_steps[end.motor]))
+        for axis, sign, distance in reversed(made):
             yield from self._go(
-                axis, axis.to_mm(distance), self._config.approach_mm_min, closed=False
+                axis, axis.to_mm(distance), self._config.approach_mm_min, sign, closed=False
             )
         return False
 
@@ -330,19 +335,26 @@ class Homing:
 
     # --- moving --------------------------------------------------------------------------------
 
-    def _go(self, axis: Axis, distance_mm: float, feed_mm_min: float, *, closed: bool) -> _Steps:
-        """Move until the switch is closed (or open), at most so far; wait for standstill."""
+    def _go(
+        self, axis: Axis, distance_mm: float, feed_mm_min: float, sign: int, *, closed: bool
+    ) -> _Steps:
+        """Move until the switch of an end is closed (or open), at most so far, to standstill."""
         index = self._machine.index(axis.name)
         distance = axis.to_steps(distance_mm)
-        watch = self._switches.watch(closed=closed, action=WatchAction.STOP)
+        end = self._end(axis, sign)
+        watch = self._switches.watch(closed=closed, action=WatchAction.STOP, end=end)
         most = 0.0 if feed_mm_min == self._config.slow_mm_min else 1.0
         yield from axis_line(self._position, index, distance, feed_mm_min, watch, most)
         return (yield STANDSTILL)
 
     def _name(self, axis: Axis, sign: int) -> str:
-        return self._switches.name(End(self._machine.index(axis.name), sign))
+        return self._switches.name(self._end(axis, sign))
 
-    def _wire(self) -> str:
+    def _end(self, axis: Axis, sign: int) -> End:
+        return End(self._machine.index(axis.name), sign)
+
+    def _wire(self, end: End) -> str:
         return phrase(
-            "look for a stuck switch, and at the wire to DB25 pin {pin}.", pin=self._switches.pin
+            "look for a stuck switch, and at the wire to DB25 pin {pin}.",
+            pin=self._switches.pin_of(end),
         )

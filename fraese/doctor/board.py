@@ -87,7 +87,7 @@ class _Trial:
         switches = self._config.switches
         facts = card_facts(
             card_kind(self._config).facts(self._card, self._config.card.kind),
-            SwitchInput(*contact_bits(switches), switches.readings),
+            SwitchInput(*contact_bits(self._config), switches.readings),
             settle_cycles=0,
             safe_outputs=self._config.outputs.off_at_rest,
             silence_ms=round(self._config.realtime.silence_of_bridge_s * 1000),

@@ -190,13 +190,17 @@ def _inputs(patient: Patient) -> Finding:
         levels=_levels(lines.pins),
         register=lines.register,
     )
-    switches = patient.config.switches
-    bit = STATUS_PINS[switches.pin].bit
-    if bool(lines.register & bit) == bool(switches.closed_reads):
+    switches = patient.config.switch_lines
+    closed = [
+        line.pin
+        for line in switches
+        if bool(lines.register & STATUS_PINS[line.pin].bit) == bool(line.closed_reads)
+    ]
+    if closed:
         return Finding(
             phrase("inputs"),
             State.WARN,
-            phrase("{read}. Pin {pin} shows contact.", read=read, pin=switches.pin),
+            phrase("{read}. Pin {pin} shows contact.", read=read, pin=_numbers(closed)),
             phrase(
                 "Let go of the end switches, or look at their plug and at"
                 " switches.closed_reads: a plug that is not in reads like contact, too."
@@ -205,8 +209,16 @@ def _inputs(patient: Patient) -> Finding:
     return Finding(
         phrase("inputs"),
         State.OK,
-        phrase("{read}. Pin {pin}: no end switch is pressed.", read=read, pin=switches.pin),
+        phrase(
+            "{read}. Pin {pin}: no end switch is pressed.",
+            read=read,
+            pin=_numbers([line.pin for line in switches]),
+        ),
     )
+
+
+def _numbers(pins: Sequence[int]) -> str:
+    return ", ".join(map(str, pins))
 
 
 def _outputs(patient: Patient) -> Finding:

@@ -32,7 +32,9 @@ def wired(config: Config) -> dict[int, str]:
     pins |= {output.pin: name for name, output in config.outputs.configured()}
     if config.probe.pin is not None:
         pins[config.probe.pin] = "probe"
-    return pins | {config.switches.pin: "switches"}
+    return pins | {
+        line.pin: f"switch_{line.name}" if line.name else "switches" for line in config.switch_lines
+    }
 
 
 def step_direction_pins(names: Mapping[int, str]) -> dict[int, str]:

@@ -74,16 +74,22 @@ class Mill:
         slides: one for each motor.
         lag_s: see ``Contacts``.
         bounce_readings: see ``Contacts``.
+        own_lines: ends whose switches are on lines of their own, a set for each.
 
     Attributes:
         slides: as given.
         rotors: one for each motor.
         switches_steps: from where on each carriage presses its switches, the next time.
-        contacts: the switches.
+        contacts: the switches on the shared line,
+        own_contacts: and those on each other one.
     """
 
     def __init__(
-        self, slides: Sequence[Slide], lag_s: float = 0.0, bounce_readings: int = 0
+        self,
+        slides: Sequence[Slide],
+        lag_s: float = 0.0,
+        bounce_readings: int = 0,
+        own_lines: Sequence[frozenset[End]] = (),
     ) -> None:
         self.slides = tuple(slides)
         self.rotors = [
@@ -92,6 +98,12 @@ class Mill:
         ]
         self.switches_steps = [slide.switches_steps for slide in slides]
         self.contacts = Contacts(lag_s, bounce_readings)
+        self.own_contacts = tuple(Contacts(lag_s, bounce_readings) for _ in own_lines)
+        self._line_of = {
+            end: line
+            for ends, line in zip(own_lines, self.own_contacts, strict=True)
+            for end in ends
+        }
         self._has_backlash = any(slide.backlash_steps for slide in slides)
         # Carriage ahead of rotor: between nothing and the backlash.
         self._slack_steps = [0.0] * len(self.rotors)
@@ -111,7 +123,7 @@ class Mill:
             rotor.turn(delta, now_ns)
         position_steps = rotor.position_steps + self._slack_steps[motor]
         low_steps, high_steps = self.switches_steps[motor]
-        if not low_steps < position_steps < high_steps or self.contacts.any_pressed:
+        if not low_steps < position_steps < high_steps or self._any_pressed:
             self.feel(motor, now_ns)
         elif self._to_be_drawn:
             self._draw(motor, position_steps)
@@ -140,7 +152,8 @@ class Mill:
         ):
             if at_end and self.slides[motor].scatter_steps:
                 self._to_be_drawn.add(motor)
-            self.contacts.change(end, at_end or end in self._by_hand, now_ns)
+            line = self._line_of.get(end, self.contacts)
+            line.change(end, at_end or end in self._by_hand, now_ns)
         if self._to_be_drawn:
             self._draw(motor, position_steps)
 
@@ -169,7 +182,12 @@ class Mill:
 
     def pressed(self) -> frozenset[End]:
         """Switches that are pressed, by a carriage or by hand."""
-        return self.contacts.pressed()
+        return self.contacts.pressed().union(*(line.pressed() for line in self.own_contacts))
+
+    @property
+    def _any_pressed(self) -> bool:
+        own = self.own_contacts
+        return self.contacts.any_pressed or (bool(own) and any(line.any_pressed for line in own))
 
     def press(self, end: End, now_ns: int = 0) -> None:
         """Press a switch by hand."""

@@ -1,11 +1,12 @@
-"""End switches: one input for all of them; which one it is must be inferred.
+"""End switches, as a rule on one input for all of them; which one it is must be inferred.
 
 Rule 1: after every motor movement the input is read, and at standstill at every poll.
 Rule 2: K consecutive closed readings make a contact, the counts are those of the first of them.
         K consecutive open readings end it. With K = 1 this is the seed, exactly.
 Rule 3: one motor moving: the contact is named from motor and direction, and stays named until
         the input opens again.
-Rule 4: contact lags the motor by some ticks. So with several axes the candidates are all ends
+Rule 4: where ends have inputs of their own, contact is on any of them; which, those above see.
+Rule 5: contact lags the motor by some ticks. So with several axes the candidates are all ends
         that the present block moves towards, or that a block moved towards which ended less than
         20 ms ago. Closed without a movement: any end. A set is shown as a set.
 """
@@ -23,11 +24,11 @@ StepCounts = tuple[int, ...]
 
 
 class SwitchInput(NamedTuple):
-    """Where the shared input is, and how it reads with contact.
+    """Which inputs end switches are on, and how they read with contact.
 
     Attributes:
-        mask: bit of the status register (bit 7 is BUSY, DB25 pin 11).
-        closed_value: what ``status & mask`` is with contact; 0 on these cards.
+        mask: bits of the status register (bit 7 is BUSY, DB25 pin 11); as a rule one.
+        closed_value: what each of these bits is with contact; 0 on these cards.
         readings: consecutive readings that make or end a contact.
     """
 
@@ -64,7 +65,7 @@ class Debounced:
 
     def take(self, status: int, steps: Callable[[], StepCounts]) -> bool:
         """Take one reading; True when this reading changed the debounced condition."""
-        if (status & self._mask == self._value) == self.is_true:
+        if self._holds(status) == self.is_true:
             self._run = 0
             return False
         if self._run == 0:
@@ -76,6 +77,16 @@ class Debounced:
         self.is_true = not self.is_true
         self.latched_steps = self._first if self.is_true else None
         return True
+
+    def _holds(self, status: int) -> bool:
+        return status & self._mask == self._value
+
+
+class AnyOf(Debounced):
+    """The same, where any of the bits is enough."""
+
+    def _holds(self, status: int) -> bool:
+        return (status ^ self._value) & self._mask != self._mask
 
 
 class Inference:
@@ -111,7 +122,7 @@ class InputWatcher:
 
     Args:
         motors: how many.
-        switch: the shared end-switch input.
+        switch: the inputs of the end switches.
 
     Attributes:
         status: the register as last read.
@@ -124,7 +135,7 @@ class InputWatcher:
 
     def __init__(self, motors: int, switch: SwitchInput) -> None:
         self._input = switch
-        self._switch = Debounced(*switch)
+        self._switch = AnyOf(*switch)
         self._watched: Debounced | None = None
         self._watch_hides_switch = False
         self._watch_reacts = False

@@ -5,6 +5,7 @@ the next one.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
@@ -143,6 +144,40 @@ def test_end_switch_stops_with_the_exact_count() -> None:
     assert status.state & c.State.SWITCH
     assert status.more & c.More.CONTACT
     assert status.contact_serial == 1
+    duel.finish()
+
+
+#: Pin 11 and pin 10, which show contact as 0 and as 1.
+TWO_INPUTS = PHASES._replace(facts=replace(PHASES.facts, switch_mask=0xC0, switch_value=0x40))
+#: With both open.
+BOTH_OPEN = OPEN & ~0x40
+
+
+@pytest.mark.parametrize(
+    ("pressed", "pin", "level"),
+    [(BOTH_OPEN & ~0x80, "C0", True), (OPEN, "C1", True)],
+    ids=["pin 11", "pin 10"],
+)
+def test_any_of_two_inputs_stops(pressed: int, pin: str, level: bool) -> None:
+    """Each of them alone, with levels that differ."""
+    duel = Duel([line(400)], TWO_INPUTS)
+    duel.device.avr.set_pin("C1", False)
+    duel.device.run(200_000)
+    duel.device.mark = duel.device.avr.cycle
+    duel.core.lines.status = BOTH_OPEN
+    at = Duel([line(400)]).within(40)
+
+    def press() -> None:
+        duel.core.lines.status = pressed
+
+    duel.happens(at, press)
+    report = duel.core.play()
+    base = duel.start_device()
+    duel.device.avr.schedule([(base + at, pin, level)])
+    status = duel.device.stand_still()
+    assert (report.ended, status.ended) == (Ended.SWITCH, c.ENDED_SWITCH)
+    assert status.state & c.State.SWITCH
+    assert status.more & c.More.CONTACT
     duel.finish()
 
 

@@ -137,6 +137,11 @@ def test_firmware_that_cannot_swap_motors_is_told_apart() -> None:
         connection(facts)._require_sockets(HELLO)
     connection(facts)._require_sockets(replace(HELLO, firmware=(1, 1)))
     connection(replace(facts, motor_bits=(0x03, 0x0C)))._require_sockets(HELLO)
+    several = connection(replace(facts, switch_mask=0xC0))
+    with pytest.raises(PortError, match=r"knows one input for end switches: flash firmware 1.4"):
+        several._require_inputs(replace(HELLO, firmware=(1, 3)))
+    several._require_inputs(replace(HELLO, firmware=(1, 4)))
+    connection(facts)._require_inputs(HELLO)
 
 
 def nowhere(*_: object) -> Any:

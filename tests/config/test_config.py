@@ -18,7 +18,7 @@ from fraese.config import file as configuration
 from fraese.config.axes import AxisName
 from fraese.config.file import from_table, load
 from fraese.config.section import Section
-from fraese.config.wiring import StatusPin
+from fraese.config.switches import StatusPin
 from fraese.errors import ConfigError
 from fraese.motor.pins import STATUS_PINS
 from fraese.workframe import LETTERS

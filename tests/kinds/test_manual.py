@@ -63,6 +63,11 @@ def test_a_machine_of_the_page_does_what_it_is_told(
     go_round(plant)
 
 
+def test_the_inputs_of_the_page_find_every_end(files: Mapping[str, Path]) -> None:
+    plant = assemble(configuration.load(files["inputs.toml"]))
+    go_round(plant)
+
+
 def test_the_bytes_of_the_page_are_those_of_its_currents() -> None:
     rows = re.findall(r"^\| (A|B|byte) \| (.*) \|$", PAGE.read_text("utf-8"), re.MULTILINE)
     a, b, byte = (row.split(" | ") for _, row in rows)

@@ -18,7 +18,7 @@ from fraese.control.controller import Controller
 from fraese.control.jobs import STANDSTILL, Demand, Doing
 from fraese.errors import HomingError, LimitError
 from fraese.machine import Axis, Machine
-from fraese.motor.seams import Ended, Report
+from fraese.motor.seams import End, Ended, Report
 from fraese.phrases import phrase
 from fraese.planner.lines import plan_line
 
@@ -81,13 +81,19 @@ class AxisMoves:
             yield block
         return (yield STANDSTILL)
 
+    def _watch(self, sign: int, *, closed: bool) -> Watch:
+        """For the switch of this end, closed or open."""
+        end = End(self.motor, sign)
+        switches = self._controller.switches
+        return switches.watch(closed=closed, action=WatchAction.STOP, end=end)
+
     def to_contact(self, sign: int, longest_mm: float, feed_mm_min: float) -> Count:
         """Into the switch of this end; the count at the contact.
 
         Raises:
             HomingError: if it is not found.
         """
-        watch = self._controller.switches.watch(closed=True, action=WatchAction.STOP)
+        watch = self._watch(sign, closed=True)
         steps = sign * self.axis.to_steps(longest_mm)
         report = yield from self.go(steps, feed_mm_min, watch)
         if report.ended is not Ended.WATCH:
@@ -101,7 +107,7 @@ class AxisMoves:
             HomingError: if it does not open.
         """
         homing = self._controller.config.homing
-        watch = self._controller.switches.watch(closed=False, action=WatchAction.STOP)
+        watch = self._watch(sign, closed=False)
         steps = -sign * self.axis.to_steps(homing.back_off_max_mm)
         report = yield from self.go(steps, homing.slow_mm_min, watch)
         if report.ended is not Ended.WATCH:
@@ -148,7 +154,7 @@ class AxisMoves:
             HomingError: if it does not come about.
         """
         slow_mm_min = self._controller.config.homing.slow_mm_min
-        watch = self._controller.switches.watch(closed=closed, action=WatchAction.STOP)
+        watch = self._watch(sign if closed else -sign, closed=closed)
         wait = dwell(len(self._machine.axes), _SETTLE_S)._replace(watch=watch)
         report = yield STANDSTILL
         longest = self.count(report) + sign * self.axis.to_steps(longest_mm)
@@ -212,7 +218,7 @@ class AxisMoves:
                 " switch, and at the wire to DB25 pin {pin}.",
                 end=end,
                 with_unit=self.axis.with_unit(longest_mm),
-                pin=self._controller.switches.pin,
+                pin=self._controller.switches.pin_of(End(self.motor, sign)),
             ),
             alarms.END_STUCK,
             end=end,

@@ -102,6 +102,7 @@ class Connection:
         if able and facts.motors <= hello.motors and len(facts.table) <= hello.table_max:
             self._require_sockets(hello)
             self._require_lamp(hello)
+            self._require_inputs(hello)
             return
         raise PortError(
             phrase(
@@ -124,6 +125,20 @@ class Connection:
                 phrase(
                     "The bridge on {name} has firmware {firmware}.{firmware_2}, which cannot set a"
                     " laser's power: flash firmware 1.3, or write pwm = false in outputs.laser.",
+                    name=self.name,
+                    firmware=hello.firmware[0],
+                    firmware_2=hello.firmware[1],
+                ),
+                alarms.BRIDGE_UNFIT,
+            )
+
+    def _require_inputs(self, hello: Hello) -> None:
+        """Firmware before 1.4 takes contact on one input for none while others are open."""
+        if self.facts.switch_mask.bit_count() > 1 and hello.firmware < (1, 4):
+            raise PortError(
+                phrase(
+                    "The bridge on {name} has firmware {firmware}.{firmware_2}, which knows one"
+                    " input for end switches: flash firmware 1.4, or leave out switches.own.",
                     name=self.name,
                     firmware=hello.firmware[0],
                     firmware_2=hello.firmware[1],

@@ -9,7 +9,7 @@ Rule 2: physics is asked with the time of the driver's clock, whatever the wall 
 Rule 3: what stays as it is when everything is switched off can be kept and taken up again.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -21,6 +21,8 @@ from fraese.motor.seams import Clock, End
 
 #: All inputs at rest: bits 3 to 7 read 1, on these cards "no contact".
 INPUTS_AT_REST: Final = 0xF8
+#: Whether carriages that stand there, in half-steps of their motors, press a switch.
+Pressed = Callable[[Sequence[float]], bool]
 _LONG_AGO_NS: Final = 10_000_000_000
 
 
@@ -52,10 +54,18 @@ class RotorState(NamedTuple):
 
 @dataclass(frozen=True)
 class Wiring:
-    """How the switch line meets the status register."""
+    """How the switches meet the status register.
+
+    Attributes:
+        mask, closed_value: bit of the shared line, and what it is with contact.
+        own: the same of every line of its own, as the mill has them.
+        near: the same of switches for referencing, and what presses them.
+    """
 
     mask: int = 0x80
     closed_value: int = 0
+    own: tuple[tuple[int, int], ...] = ()
+    near: tuple[tuple[int, int, Pressed], ...] = ()
 
 
 class SimulatedMill:
@@ -88,6 +98,7 @@ class SimulatedMill:
         self._clock = clock
         self._wiring = wiring
         self._feeler = feeler
+        self._has_more = bool(wiring.own or wiring.near)
         self._contacts = mill.contacts
         # The electronics take the writes themselves: one call less a register access.
         self.write_data = electronics.data
@@ -99,9 +110,22 @@ class SimulatedMill:
         closed = contacts.closed if contacts.still else contacts.read(self._clock.now_ns())
         mask, closed_value = self._wiring.mask, self._wiring.closed_value
         reading = self.inputs & ~mask | (closed_value if closed else closed_value ^ mask)
+        if self._has_more:
+            reading = self._more_lines(reading)
         if self._feeler is None:
             return reading
         return self._feeler.felt(reading, self.mill.carriages_steps())
+
+    def _more_lines(self, reading: int) -> int:
+        """What is on lines other than the shared one."""
+        now_ns, mill = self._clock.now_ns(), self.mill
+        for line, (mask, closed_value) in zip(mill.own_contacts, self._wiring.own, strict=True):
+            closed = line.closed if line.still else line.read(now_ns)
+            reading = reading & ~mask | (closed_value if closed else closed_value ^ mask)
+        for mask, closed_value, is_pressed in self._wiring.near:
+            closed = is_pressed(mill.carriages_steps())
+            reading = reading & ~mask | (closed_value if closed else closed_value ^ mask)
+        return reading
 
     def close(self) -> None:
         """Nothing to give back."""
