@@ -53,9 +53,10 @@ class ViewedApp(App[None]):
         await self.action_show_view(names[(at + by) % len(names)])
 
     def action_command_palette(self) -> None:
-        """Every command, by its name."""
-        if not isinstance(self.screen, Palette):
-            self.push_screen(Palette(id="--command-palette"))
+        """Every command, by its name; one that lies below a dialog is open already."""
+        if not any(isinstance(each, Palette) for each in self.screen_stack):
+            # Without a name: one of another view may be there, or one that is on its way out.
+            self.push_screen(Palette())
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """The palette: every command of the table."""

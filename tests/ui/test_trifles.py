@@ -208,3 +208,29 @@ def test_a_mouse_button_pressed_on_what_has_just_gone_is_pressed_on_nothing() ->
             assert b.app._exception is None
 
     play(scene)
+
+
+def test_there_is_one_palette_whatever_lies_above_it() -> None:
+    async def scene() -> None:
+        async with bench() as b:
+            await b.press("ctrl+p")
+            await b.wait(lambda: isinstance(b.app.screen, Palette))
+            b.app.push_screen(HelpPage(b.app.view.desk.keys))
+            await b.wait(lambda: isinstance(b.app.screen, HelpPage))
+            b.app.action_command_palette()
+            await b.pilot.pause()
+            assert isinstance(b.app.screen, HelpPage)
+
+    play(scene)
+
+
+def test_each_view_may_have_its_palette() -> None:
+    async def scene() -> None:
+        async with bench() as b:
+            await b.press("ctrl+p")
+            await b.wait(lambda: isinstance(b.app.screen, Palette))
+            await b.app.action_next_view(1)
+            await b.press("ctrl+p")
+            await b.wait(lambda: isinstance(b.app.screen, Palette))
+
+    play(scene)
