@@ -31,6 +31,8 @@ _HEARD_S: Final = 0.02
 _NAMED: Final = frozenset(
     key.value for key in Keys if key.value.isalnum() and "+" not in key.value
 ) | frozenset(string.ascii_lowercase)
+#: So often in a row it must be so.
+_HELD: Final = 2
 #: Between two looks at what is waited for.
 _LOOK_S: Final = 0.01
 
@@ -124,8 +126,8 @@ class Screen:
         await self._drawn()
 
     async def _drawn(self) -> None:
-        """What was posted has been done, and what that has posted."""
-        for _ in range(2):
+        """What was posted has been done, and what that has posted: app, screen, widget, action."""
+        for _ in range(3):
             if self._pilot is not None and self.app.is_running:
                 await self._pilot.pause(0)
 
@@ -137,12 +139,13 @@ class Screen:
         """
 
         async def until() -> None:
-            patience = Patience(f"waiting for {what}")
-            while not condition():
+            patience, held = Patience(f"waiting for {what}"), 0
+            # Seen twice: what a key has set off may be on its way from one thread to another.
+            while held < _HELD:
+                held = held + 1 if condition() else 0
                 patience.require()
                 await asyncio.sleep(_LOOK_S)
                 await self._drawn()
-            await self._drawn()
 
         self._do(until)
 
