@@ -1,6 +1,7 @@
 """The command that lets other programs drive the machine."""
 
 import json
+import sys
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated, Final
@@ -54,6 +55,8 @@ AppOption = Annotated[
 FastOption = Annotated[
     bool, typer.Option("--fast", help="The simulated mill does not take its time.")
 ]
+#: As in the app.
+_SWITCH_INTERVAL_S: Final = 0.0005
 _ENDED: Final = Cancelled.exit_code
 
 
@@ -105,6 +108,8 @@ def _served(
         departure.hurry()
         desk.leave()
 
+    # Who reads the line has his turn soon, whatever the machine's thread computes.
+    sys.setswitchinterval(_SWITCH_INTERVAL_S)
     with watched(interrupt), ExitStack() as closing:
         closing.callback(desk.close)
         doors = doors_of(how, access, desk.wants_turn)

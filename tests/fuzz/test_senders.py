@@ -1,4 +1,4 @@
-"""Whatever a sender says: every line has its answer, nothing else comes out, the machine stays inside."""
+"""Whatever a sender says: every line is answered, nothing else comes out, it stays inside."""
 
 from hypothesis import given
 from hypothesis import strategies as st
