@@ -13,6 +13,8 @@ from fraese.control.state import Status
 from fraese.errors import ConfigError
 from fraese.kinds.card import card_kind, card_of
 from fraese.kinds.smc1500 import CARD as SMC
+from fraese.motor.realtime.measure import edge_of
+from fraese.motor.seams import CONTROL, DATA
 from fraese.peers import CARDS, PORTS
 from tests.beside import EXAMPLES, install
 
@@ -64,6 +66,14 @@ def test_all_motors_are_in_one_byte_and_there_is_no_strobe(uln: Config, tmp_path
     coils = [f"{axis}_coil_{coil}" for axis in "xy" for coil in "abcd"]
     assert [name.partition("_")[2] for name in names if "coil" in name] == coils
     assert not [name for name in names if "nstrobe" in name]
+
+
+def test_the_doctor_knows_its_steps(uln: Config) -> None:
+    """By the byte itself: there is neither a clock nor a strobe."""
+    assert edge_of(card_of(uln)) == (DATA, 0xFF)
+    assert edge_of(card_of(Config())) == (CONTROL, 0x01)
+    stepdir = configuration.from_table({"card": {"kind": "stepdir"}}, "test")
+    assert edge_of(card_of(stepdir)) == (DATA, 0xAA)
 
 
 def test_its_position_is_kept_like_any_other(uln: Config, tmp_path: Path) -> None:

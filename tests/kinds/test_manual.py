@@ -172,7 +172,7 @@ def test_the_port_of_the_page_drives_motors(
     bytes_of_x = {value for register, value in far_end.writes if register == DATA and value < 64}
     assert len(bytes_of_x) >= 8
     assert far_end.registers[DATA] & 0x3F == 0x1B
-    with pytest.raises(PortError, match="cannot be reached"):
+    with pytest.raises(PortError, match="cannot be reached: Connection refused"):
         assemble(config)
 
 

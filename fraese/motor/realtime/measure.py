@@ -11,6 +11,7 @@ import contextlib
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -25,9 +26,10 @@ from fraese.motor.realtime.driver import RealtimeDriver
 from fraese.motor.realtime.setup import Meter, RealtimeOptions, Setup
 from fraese.motor.seams import CONTROL, DATA, Card
 
-#: Clock lines of step/direction drives, strobe of a phase card.
-_CLOCKS: Final = 0xAA
-_STROBE: Final = 0x01
+#: Clock lines of step/direction drives, strobe of a phase card; else whatever is written.
+_CLOCKS: Final = (DATA, 0xAA)
+_STROBE: Final = (CONTROL, 0x01)
+_BYTE: Final = (DATA, 0xFF)
 #: Percentiles that are told, per cent.
 PERCENTILES: Final = (50.0, 99.0, 99.9, 100.0)
 _POLL_S: Final = 0.02
@@ -118,6 +120,18 @@ class Lateness:
         return np.histogram(self.late_us, edges_us)[0].astype(np.int64)
 
 
+def edge_of(card: Card) -> tuple[int, int]:
+    """By which access a step is known: its register, and the bits of which one is set."""
+    if card.fall:
+        return _CLOCKS
+    tried = deepcopy(card)
+    tried.begin([1] * card.motors, 0)
+    has_strobe = any(
+        register == CONTROL and value & _STROBE[1] for register, value in tried.tick(1)
+    )
+    return _STROBE if has_strobe else _BYTE
+
+
 def measure(duty: Duty, seconds: float) -> Lateness:
     """Run the step loop for so long.
 
@@ -127,11 +141,7 @@ def measure(duty: Duty, seconds: float) -> Lateness:
     ticks = max(2, round(duty.rate_hz * seconds))
     # At a low rate one long block would take longer than that.
     duty = replace(duty, block_ticks=min(duty.block_ticks, ticks))
-    meter = (
-        Meter(DATA, _CLOCKS, round(ticks * _ROOM) + 1)
-        if duty.card.fall
-        else Meter(CONTROL, _STROBE, round(ticks * _ROOM) + 1)
-    )
+    meter = Meter(*edge_of(duty.card), round(ticks * _ROOM) + 1)
     options = duty.options
     setup = Setup(
         NullPort,
