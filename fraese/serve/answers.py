@@ -38,11 +38,10 @@ class Answers:
 
     def inline(self, line: Sent) -> bool:
         """A command among the lines of a job; False: it has to wait for a standstill."""
-        answer = self._system.inline(line)
-        if answer is None:
+        if not self._system.is_inline(line):
             return False
-        self._inbox.take()
-        self.answer(line, *answer)
+        if self._inbox.take(line):
+            self.answer(line, *self._system.inline(line))
         return True
 
     def saw(self, move: canon.Move, facts: canon.Facts | None) -> None:

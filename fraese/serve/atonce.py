@@ -156,7 +156,8 @@ class AtOnce:
             return
         self._wishes.jog_cancelled = True
         while (line := self._inbox.head()) is not None and kind_of(line.text) is Kind.JOG:
-            self._wishes.flushed += [each for each in [self._inbox.take()] if each is not None]
+            if self._inbox.take(line):
+                self._wishes.flushed.append(line)
         self._controller.cancel()
 
     def _feed(self, by_percent: int | None) -> None:

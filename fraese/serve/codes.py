@@ -109,6 +109,7 @@ _KINDS: Final[tuple[tuple[type[FraeseError], Code], ...]] = (
     (LimitError, Code.TRAVEL),
     (StateError, Code.LOCKED),
     (ConfigError, Code.STATEMENT),
+    (Alarm, Code.LOCKED),
 )
 
 

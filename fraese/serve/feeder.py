@@ -152,11 +152,13 @@ class Feeder:
             kind = kind_of(line.text)
             said = self._why_not(line) if kind is self._kind else ""
             if kind is self._kind and not said:
-                self._open = self._inbox.take()
+                if not self._inbox.take(line):
+                    continue
+                self._open = line
                 self._modes.resting = False
-                return "" if self._open is None else self._open.text
+                return line.text
             if kind is Kind.EMPTY or said:
-                self._say(self._number(line) if said else Code.OK, said)
+                self._say(line, self._number(line) if said else Code.OK, said)
             elif not self._passed(line, kind):
                 self._is_others = True
                 break
@@ -177,12 +179,11 @@ class Feeder:
         if self._at_rest():
             return False
         is_locked = self._kind is Kind.JOG and kind is Kind.CODE
-        self._say(Code.LOCKED if is_locked else Code.NOT_IDLE)
+        self._say(line, Code.LOCKED if is_locked else Code.NOT_IDLE)
         return True
 
-    def _say(self, code: Code, said: str = "") -> None:
-        line = self._inbox.take()
-        if line is not None:
+    def _say(self, line: Sent, code: Code, said: str = "") -> None:
+        if self._inbox.take(line):
             self._answer(line, code, said)
 
     def _why_not(self, line: Sent) -> str:

@@ -60,14 +60,14 @@ class Inbox:
                 self._news.wait(patience_s)
             return self._lines[0] if self._lines else None
 
-    def take(self) -> Sent | None:
-        """The next one; None: somebody has cleared it meanwhile."""
+    def take(self, line: Sent) -> bool:
+        """Take out the next one, which was looked at; False: somebody else has, meanwhile."""
         with self._news:
-            if not self._lines:
-                return None
-            line = self._lines.popleft()
+            if not self._lines or self._lines[0] is not line:
+                return False
+            self._lines.popleft()
             self._bytes -= len(line.text) + 1
-            return line
+            return True
 
     def clear(self) -> None:
         """Drop everything."""

@@ -12,6 +12,7 @@ Rule 4: whatever a sender reads is English and ASCII.
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Final
 
 from fraese.anythread import any_thread
@@ -219,8 +220,7 @@ class Session:
         kind = kind_of(line.text)
         if self.modes.out and kind is not Kind.EMPTY:
             if kind is not Kind.SYSTEM or not self._inline(line):
-                self._inbox.take()
-                self._answer(line, Code.LOCKED, _OUT)
+                self._say_of(line, Code.LOCKED, _OUT)
             return False
         if kind is Kind.SYSTEM:
             return self._system_line(line)
@@ -230,13 +230,18 @@ class Session:
         elif kind is Kind.JOG and self.modes.check:
             code = Code.NOT_IDLE
         elif kind is not Kind.EMPTY:
-            return self._look() if self.modes.check else self._start(kind)
-        self._inbox.take()
-        self._answer(line, code, "")
+            return self._look() if self.modes.check else self._start(kind, line)
+        self._say_of(line, code, "")
         return False
 
+    def _say_of(self, line: Sent, code: Code, said: str) -> None:
+        """Answer a line that waits."""
+        if self._inbox.take(line):
+            self._answer(line, code, said)
+
     def _system_line(self, line: Sent) -> bool:
-        self._inbox.take()
+        if not self._inbox.take(line):
+            return False
         code, said = self._system.do(line)
         if self._controller.status is Status.RUN:
             self._homes, self.modes.doing = line, Doing.HOMING
@@ -244,7 +249,7 @@ class Session:
         self._answer(line, code, said)
         return False
 
-    def _start(self, kind: Kind) -> bool:
+    def _start(self, kind: Kind, line: Sent) -> bool:
         self._feeder.begin(kind)
         try:
             if kind is Kind.JOG:
@@ -255,15 +260,10 @@ class Session:
             else:
                 self._stream.start()
         except FraeseError as error:
-            self._refuse(error)
+            self._say_of(line, code_of(error), str(error))
             return False
         self.modes.doing = Doing.JOG if kind is Kind.JOG else Doing.PROGRAM
         return True
-
-    def _refuse(self, error: FraeseError) -> None:
-        line = self._inbox.take()
-        if line is not None:
-            self._answer(line, code_of(error), str(error))
 
     def _look(self) -> bool:
         """A line in check mode."""
@@ -363,7 +363,8 @@ class Session:
         handling = self._controller.handling
         handling.set_feed(1.0)
         handling.set_rapid(1.0)
-        if self._controller.status is Status.OK:
+        # A machine that is not there says so when it is to move.
+        with suppress(FraeseError):
             select_system(self._controller, "G54")
         self._greet()
         if not self.modes.alarm:

@@ -100,13 +100,15 @@ class System:
         """Of a stored setting."""
         return self._store.settings.get(number, settings.STORED[number])
 
-    def inline(self, line: Sent) -> Answer | None:
-        """Do what may be done at any time; None: it may not."""
+    def is_inline(self, line: Sent) -> bool:
+        """It may be done at any time."""
         word = bare(line.text).upper()
-        if word == "$X" and not (self._modes.alarm or self._modes.out):
-            return _OK
-        command = self._always.get(word)
-        return None if command is None else command()
+        return word in self._always or (word == "$X" and not (self._modes.alarm or self._modes.out))
+
+    def inline(self, line: Sent) -> Answer:
+        """Do what may be done at any time."""
+        command = self._always.get(bare(line.text).upper())
+        return _OK if command is None else command()
 
     def do(self, line: Sent) -> Answer:
         """Do it; nothing moves."""

@@ -19,6 +19,8 @@ from fraese.serve.connection import Connection
 
 _SAY_IT_WITHIN_S: Final = 10.0
 _MOST_ASKED: Final = 8
+#: After two silent seconds once a second; three without an answer, and he has gone.
+_FEELING: Final = {"TCP_KEEPIDLE": 2, "TCP_KEEPINTVL": 1, "TCP_KEEPCNT": 3}
 _NOT_ADMITTED: Final = b"[MSG:This address is not allowed, see serve.allow]\r\n"
 
 
@@ -87,6 +89,7 @@ class TcpDoor:
             return None
         came.setblocking(False)
         came.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        _feel_for(came)
         if self._access.admits(place[0]):
             return self._inside(came, _name(place))
         if self._access.has_token and len(self._guests) < _MOST_ASKED:
@@ -135,6 +138,14 @@ class TcpDoor:
             return self._inside(guest.socket, guest.name)
         guest.socket.close()
         return None
+
+
+def _feel_for(there: socket.socket) -> None:
+    """A computer that is switched off says nothing: see within seconds that it has gone."""
+    there.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for name, value in _FEELING.items():
+        if hasattr(socket, name):
+            there.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
 
 
 def _name(place: tuple[str, int]) -> str:

@@ -1,8 +1,16 @@
 """grbl's protocol as a sender meets it: what is said and answered, where the machine stands."""
 
+import ast
+import re
+from pathlib import Path
+
 import pytest
 
+from fraese import gcode
 from fraese.control.state import Status
+from fraese.errors import PortError
+from fraese.serve.codes import REFUSALS
+from fraese.serve.inbox import Inbox, Sent
 from tests.serve.sender import Bench, bench, unreferenced
 
 OK = ["ok"]
@@ -285,3 +293,78 @@ def test_the_machine_is_free_between_lines(at: Bench) -> None:
     assert at.controller.run() is Status.OK
     at.say("X1")
     assert at.at_mm[0] == 21.0
+
+
+def test_a_held_stream_lifts_its_tool_where_that_is_configured() -> None:
+    at = bench(run={"retract_mm": 3})
+    heights: list[float] = []
+
+    def look() -> bool:
+        state = at.controller.state()
+        return state.held and state.position_mm[2] > -8
+
+    def go_on() -> None:
+        heights.append(at.at_mm[2])
+        at.bytes(b"~")
+
+    at.say("G0 Z-10")
+    at.when(lambda: at.at_mm[0] > 2, lambda: at.bytes(b"!"))
+    at.when(look, go_on)
+    assert at.say("G1 X10 F600", "G1 Y5")[-1] == "ok"
+    assert heights == [-7.0]
+    assert at.at_mm == (10.0, 5.0, -10.0)
+
+
+def test_single_block_waits_for_the_sender(at: Bench) -> None:
+    at.controller.handling.switch("single_block")
+    at.when(lambda: bool(at.controller.question), lambda: at.bytes(b"?~"))
+    heard = at.say("G0 X1", "G0 X2")
+    assert any(line.startswith("<Hold:0|") for line in heard)
+    assert "[MSG:Single block: line 2 comes next.]" in heard
+    assert at.at_mm[0] == 2.0
+
+
+def test_a_machine_that_is_gone_is_told_of_and_every_line_is_answered(
+    at: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def gone(*how: object) -> None:
+        raise PortError("The bridge does not answer.")
+
+    monkeypatch.setattr(at.controller._queue, "look_around", gone)
+    assert at.say("G0 X1", "$J=X1F100") == ["[MSG:The bridge does not answer.]", "error:9"] * 2
+    at.bytes(b"\x18")
+    at.work()
+    assert at.heard[-1] == "Grbl 1.1h ['$' for help]"
+
+
+def test_a_line_that_is_cleared_while_it_is_looked_at_is_not_taken_for_another() -> None:
+    inbox = Inbox(waits=False)
+    inbox.put(Sent("$J=X1F1"))
+    first = inbox.head()
+    assert first is not None
+    inbox.clear()
+    inbox.put(Sent("$J=X1F1"))
+    assert not inbox.take(first)
+    second = inbox.head()
+    assert second is not None
+    assert inbox.take(second)
+    assert inbox.waiting_bytes == 0
+
+
+def test_every_refusal_that_has_a_number_is_one_of_the_language() -> None:
+    """A sentence that is worded otherwise must not lose its number unseen."""
+    said = " ".join(
+        str(node.args[0].value)
+        for path in Path(gcode.__file__ or "").parent.glob("*.py")
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.Call)
+        and getattr(node.func, "id", "") == "phrase"
+        and isinstance(node.args[0], ast.Constant)
+    )
+    filled = re.sub(r"\{[^}]*\}", "X", said)
+    assert [
+        part
+        for pattern, _ in REFUSALS
+        for part in pattern.split("|")
+        if not re.search(part, filled)
+    ] == []
