@@ -188,7 +188,7 @@ BRIDGE_MISSING: Final = AlarmKind(
     Trust.UNMOVED,
     phrase(
         "Plug the board in and name its port in port.device (fraese ports lists them); if it"
-        " is the right one, flash its firmware."
+        " is the right one, flash its firmware (fraese bridge flash)."
     ),
 )
 BRIDGE_UNFIT: Final = AlarmKind(
@@ -196,7 +196,7 @@ BRIDGE_UNFIT: Final = AlarmKind(
     "bridge_unfit",
     phrase("The board's firmware is another one, or cannot play this card."),
     Trust.UNMOVED,
-    phrase("Flash the firmware that belongs to this program (docs/bridge.md)."),
+    phrase("Flash the firmware that belongs to this program (fraese bridge flash)."),
 )
 BRIDGE_LOST: Final = AlarmKind(
     72,

@@ -82,7 +82,7 @@ class Greeting:
                 phrase(
                     "The bridge on {name} speaks version {version} of the protocol, this"
                     " program version {protocol_version}: flash the firmware that belongs to"
-                    " it.",
+                    " it (fraese bridge flash).",
                     name=self._name,
                     version=reply.version,
                     protocol_version=PROTOCOL_VERSION,
@@ -156,7 +156,8 @@ class Greeting:
             )
         return phrase(
             "Nobody answers on {name} at {baud} baud: is this the board with the fraese"
-            " firmware (see fraese ports), and port.baud the rate that it was built for?",
+            " firmware (see fraese ports; fraese bridge flash puts it on), and port.baud the"
+            " rate that it was built for?",
             name=self._name,
             baud=self._baud,
         )
