@@ -155,13 +155,13 @@ class Survey:
             # Numbered as for the run: a breath is no move of the program.
             if kind is not canon.Breath:
                 self.moves += 1
+            before = self._at
             if kind in kinds:
                 self._take(self._sought(move) if isinstance(move, canon.Probe) else move)
             if isinstance(move, canon.Message) and move.kind == "note":
                 self.notes.append(Complaint(*self.source.complaint(move.line, move.text)))
             if kind in WANTING:
                 self.wants = self.wants.taking(move)
-            before = self._at
             facts = yield move
             if isinstance(move, canon.Probe):
                 self._probed(move, before, facts)

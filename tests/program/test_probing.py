@@ -142,9 +142,12 @@ def test_a_probe_seeks_as_far_as_the_travel_goes_and_no_further() -> None:
 PLATE = "G21 G90\nG38.2 Z-50 F100\nG10 L20 P1 Z0\nG0 Z5\nG1 X10 F300\nG1 Z-10 F100\nG0 Z5\nM2\n"
 
 
-def test_no_bound_is_known_behind_a_probe_until_it_has_touched(tmp_path: Path) -> None:
+@pytest.mark.parametrize("begins_mm", [-10, -2])  # its way ends beyond the travel, within it
+def test_no_bound_is_known_behind_a_probe_until_it_has_touched(
+    tmp_path: Path, begins_mm: float
+) -> None:
     made = homed()
-    standing_at(made, 20, 20, -10)
+    standing_at(made, 20, 20, begins_mm)
     made.controller.set_zero("xyz")
     touching(made, lambda x, y, z: x < 25 and z <= -20)
     part = program(tmp_path, PLATE)
