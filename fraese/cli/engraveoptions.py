@@ -21,9 +21,11 @@ def _mm(name: str, help_: str, metavar: str = "MM") -> object:
 class Wanted:
     """What somebody says of a program; None: nothing, so it is as usual."""
 
-    out: Annotated[
+    output: Annotated[
         str | None,
-        typer.Option("--out", "-o", metavar="FILE.ngc", help="The program; - is standard output."),
+        typer.Option(
+            "--output", "-o", metavar="FILE.ngc", help="The program; - is standard output."
+        ),
     ] = None
     way: Annotated[
         Way, typer.Option("--way", help="Along outlines, filled by lines, or as a bitmap.")

@@ -137,11 +137,11 @@ def _check_files(file: Path, wanted: Wanted) -> None:
     Raises:
         UsageError: if there is not.
     """
-    if wanted.out is None and wanted.preview is None and not wanted.show:
+    if wanted.output is None and wanted.preview is None and not wanted.show:
         raise UsageError(phrase("Where to? -o FILE.ngc writes the program, --show draws it here."))
-    if wanted.out == _STANDARD and (wanted.as_json or wanted.show):
+    if wanted.output == _STANDARD and (wanted.as_json or wanted.show):
         raise UsageError(phrase("-o - needs standard output for itself: no --json, no --show."))
-    targets = [] if wanted.out in (None, _STANDARD) else [Path(str(wanted.out))]
+    targets = [] if wanted.output in (None, _STANDARD) else [Path(str(wanted.output))]
     targets += [] if wanted.preview is None else [wanted.preview]
     for target in targets:
         check_new(target, force=wanted.force)
@@ -240,7 +240,7 @@ class _Result:
             OutputError: if they cannot be written.
         """
         each = self._lines_of(progress)
-        out = self._wanted.out
+        out = self._wanted.output
         if out == _STANDARD:
             for line in each:
                 write(line + "\n")
@@ -288,10 +288,10 @@ class _Result:
             cut_mm=self._figures.cut_mm,
             rapid_mm=self._figures.rapid_mm,
         )
-        if self._wanted.out == _STANDARD:
+        if self._wanted.output == _STANDARD:
             note(told)
             return
-        where = self._wanted.out or self._name
+        where = self._wanted.output or self._name
         say(phrase("{file}: {told}", file=where, told=told))
         if self._wanted.preview:
             say(phrase("{file}: picture of the program.", file=self._wanted.preview))
@@ -300,7 +300,7 @@ class _Result:
         preview = self._wanted.preview
         return {
             "status": "done",
-            "file": self._wanted.out,
+            "file": self._wanted.output,
             "preview": None if preview is None else str(preview),
             "size_mm": [round(side, 3) for side in self._plan.sheet.size],
             "low_mm": [round(at, 3) for at in self._plan.sheet.low],

@@ -14,6 +14,8 @@ from fraese.engrave.shapes import Path, Points, one
 
 #: Ends that are no further apart than this meet, mm.
 MEETING_MM: Final = 0.005
+#: Edges whose lengths differ by a smaller share are as long.
+_ALIKE: Final = 0.01
 
 End = tuple[int, bool]
 
@@ -84,6 +86,35 @@ def _chain(number: int, paths: Sequence[Path], ends: _Ends, meeting_mm: float) -
         points[-1] = begin
         return Path(points, path.centres, path.turns)
     return path
+
+
+def unlike(rings: Sequence[Path], known: Sequence[Path], apart_mm: float) -> list[Path]:
+    """Closed paths that are not drawn already, each once.
+
+    The edge of a fill is often drawn as a line, too: cut twice it would be too deep, and a sweep
+    would take what lies in both for outside.
+
+    Args:
+        rings: what is asked about.
+        known: what is drawn.
+        apart_mm: boxes that differ by no more, and whose edges are as long, are of the same path.
+    """
+    there = [path for path in known if path.is_closed]
+    made: list[Path] = []
+    extents = np.array([_extent(path) for path in there + list(rings)]).reshape(-1, 5)
+    is_there = np.arange(len(extents)) < len(there)
+    for number, ring in enumerate(rings, len(there)):
+        away = np.abs(extents[is_there] - extents[number])
+        same = (away[:, :4] <= apart_mm).all(axis=1)
+        if not (same & (away[:, 4] <= _ALIKE * extents[number, 4])).any():
+            made.append(ring)
+            is_there[number] = True
+    return made
+
+
+def _extent(path: Path) -> list[float]:
+    low, high = path.bounds
+    return [*low, *high, path.length_mm]
 
 
 def cleaned(paths: Sequence[Path], least_mm: float) -> Iterator[Path]:

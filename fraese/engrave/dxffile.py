@@ -5,20 +5,21 @@ Rule 2: what the model space shows is drawn: blocks where they are inserted; no 
         off or frozen; nothing of the paper space.
 Rule 3: lines, arcs, circles and polylines with their bulges stay what they are; all other curves
         are flattened when paths are asked for.
+Rule 4: of a fill its edge is drawn, unless it is drawn as a line already.
 """
 
 import io
 import logging
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Any, Final
 
 import numpy as np
 
-from fraese.engrave.chains import chained
+from fraese.engrave.chains import MEETING_MM, chained, unlike
 from fraese.engrave.drawing import checked
 from fraese.engrave.nofonts import no_fonts
 from fraese.engrave.shapes import Path, Points, arc, circle, one, straight
@@ -61,7 +62,7 @@ _UNITS_MM: Final = {
 }
 #: What has no line that could be cut, and need not be told of.
 _WITHOUT_LINE: Final = frozenset({"POINT", "VIEWPORT", "ATTDEF", "SEQEND"})
-#: Fills are made anew.
+#: Of these the edge is taken.
 _FILLS: Final = frozenset({"HATCH", "MPOLYGON"})
 #: Of a vertex: it belongs to the frame of a spline.
 _FRAME: Final = 16
@@ -93,32 +94,33 @@ class DxfDrawing:
             # What cannot be drawn is found out when it is tried.
             undrawn = Counter[str]()
             drawn = self._drawn(document)
-            self._entities = [each for each in drawn if _is_drawn(each, undrawn)]
+            entities = [each for each in drawn if _is_drawn(each, undrawn)]
+        self._fills = [each for each in entities if each.dxftype() in _FILLS]
+        self._entities = [each for each in entities if each.dxftype() not in _FILLS]
         self._note(undrawn)
 
     def paths(self, tolerance_mm: float) -> list[Path]:
         """See ``drawing.Drawing``."""
         with _refusals(self._name):
-            tolerance = tolerance_mm / self._unit_mm
-            found = [
-                path.placed(self._unit_mm, (0.0, 0.0))
-                for entity in self._entities
-                for path in _paths(entity, tolerance)
-            ]
-        return chained(checked(found, self._name))
+            lines = self._scaled(self._entities, tolerance_mm)
+            fills = self._scaled(self._fills, tolerance_mm)
+        drawn = chained(checked(lines, self._name))
+        edges = [path for path in chained(checked(fills, self._name)) if path.is_closed]
+        return drawn + unlike(edges, drawn, MEETING_MM + 2 * tolerance_mm)
+
+    def _scaled(self, entities: Sequence[Entity], tolerance_mm: float) -> list[Path]:
+        """What they draw, mm."""
+        return [
+            path.placed(self._unit_mm, (0.0, 0.0))
+            for entity in entities
+            for path in _paths(entity, tolerance_mm / self._unit_mm)
+        ]
 
     def _note(self, undrawn: Counter[str]) -> None:
         """A sentence for each kind that is left out."""
         for kind, count in undrawn.items():
-            sentence = (
+            self.notes.append(
                 phrase(
-                    "{name}: fills ({what}, {count}) are left out; --way sweep makes new ones.",
-                    name=self._name,
-                    what=kind,
-                    count=count,
-                )
-                if kind in _FILLS
-                else phrase(
                     "{name}: {what} ({count}) cannot be drawn; make paths of it in the program that"
                     " it comes from.",
                     name=self._name,
@@ -126,7 +128,6 @@ class DxfDrawing:
                     count=count,
                 )
             )
-            self.notes.append(sentence)
 
     def _unit(self, document: Any) -> float:
         number = int(document.header.get("$INSUNITS", 0))
@@ -228,9 +229,6 @@ def _is_drawn(entity: Entity, undrawn: Counter[str]) -> bool:
     if kind in _DIRECT:
         return True
     if kind in _WITHOUT_LINE:
-        return False
-    if kind in _FILLS:
-        undrawn[kind] += 1
         return False
     try:
         make_path(entity)

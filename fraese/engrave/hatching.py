@@ -44,7 +44,7 @@ def hatched(
     axes = np.array((along, up)).T
     edges = [(flat[:-1], flat[1:]) for flat in (p.flattened(tolerance_mm) @ axes for p in rings)]
     begin, end = (np.concatenate(points) for points in zip(*edges, strict=True))
-    rows, places = _crossings(begin, end, distance_mm)
+    rows, places = crossings(begin, end, distance_mm)
     made = []
     for number, (row, at) in enumerate(_each(rows, places)):
         height = (row + 0.5) * distance_mm
@@ -59,8 +59,16 @@ def hatched(
     return made
 
 
-def _crossings(begin: Points, end: Points, distance: float) -> tuple[Points, Points]:
+def crossings(begin: Points, end: Points, distance: float) -> tuple[Points, Points]:
     """Which rows cross edges, and where along; both sorted by row and place.
+
+    Args:
+        begin: (n, 2) where edges begin,
+        end: (n, 2) and end; along X, and up.
+        distance: from row to row.
+
+    Raises:
+        UsageError: if they are too many.
 
     Row k is at (k + 0.5) distances. An edge has its lower end, and not its upper one: so a row
     through a corner meets two edges, or none.

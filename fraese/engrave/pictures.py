@@ -18,8 +18,8 @@ from fraese.errors import FraeseError, UsageError
 from fraese.phrases import phrase
 from fraese.plaintext import plain
 
-#: Kinds that Pillow is asked for: others run programs, or take anything for theirs.
-_FORMATS: Final = ("PNG", "JPEG", "GIF", "TIFF", "BMP", "WEBP", "PPM", "MPO", "DIB")
+#: Kinds that Pillow is asked for: others run programs, or take anything for theirs. MPO is a JPEG.
+_FORMATS: Final = ("PNG", "JPEG", "GIF", "TIFF", "BMP", "WEBP", "PPM", "DIB")
 #: Modes with more than 8 bits, and what is white in them.
 _DEEP: Final = {"I;16": 65535.0, "I;16B": 65535.0, "I;16L": 65535.0, "I": 65535.0, "F": 1.0}
 #: Where a picture says which side is up; from 5 on it lies on its side.

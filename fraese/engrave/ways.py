@@ -98,19 +98,11 @@ def _sweep(source: Source, job: Job, name: str, tell: Tell) -> Plan:
 
 
 def _bitmap(source: Source, job: Job, name: str, tell: Tell) -> Plan:
-    if not isinstance(source, Picture):
-        raise UsageError(
-            phrase(
-                "{name} has lines and no greys, so there is no bitmap of it: --way outline or"
-                " sweep.",
-                name=name,
-            )
-        )
-    sheet, notes = placed_picture(source, job, name)
+    seen, sheet, notes = _as_picture(source, job, name)
     columns = _count(sheet.size[0], job.distance_mm)
     rows = _count(sheet.size[1], job.distance_mm)
     tell(phrase("reading"))
-    levels = _levels(_seen(source, job, columns, rows, name), job)
+    levels = _levels(_seen(seen, job, columns, rows, name), job)
     full = np.flatnonzero(levels.any(axis=1))
     if not len(full):
         raise _nothing(name)
@@ -138,6 +130,19 @@ def _paths(source: Source, job: Job, name: str) -> tuple[list[Path], Sheet, list
     rows = min(source.rows, _count(sheet.size[1], job.distance_mm))
     seen = _seen(source, job, columns, rows, name)
     return contours(seen, job.threshold, sheet, job.tolerance_mm), sheet, notes
+
+
+def _as_picture(source: Source, job: Job, name: str) -> tuple[Picture, Sheet, list[str]]:
+    """A picture, or a drawing filled in."""
+    if isinstance(source, Picture):
+        return source, *placed_picture(source, job, name)
+    from fraese.engrave.drawn import DrawnPicture
+
+    paths, sheet = placed_drawing(source, job, name)
+    # A line that goes straight up has no width; it becomes one dot wide.
+    wide, high = (max(side, job.distance_mm) for side in sheet.size)
+    room = Sheet(sheet.low, (wide, high))
+    return DrawnPicture(paths, room, job.tolerance_mm), room, []
 
 
 def _count(length_mm: float, distance_mm: float) -> int:

@@ -100,6 +100,9 @@ def way_of(begun: Beginning, given_up: Callable[[], bool] = lambda: False) -> Wa
         if isinstance(move, canon.Along):
             move = _straight(move)
         goes_down = goes_down or isinstance(move, canon.Feed)
+        if isinstance(move, canon.Rapid | canon.Feed) and move.to == here and not is_over:
+            # The machine stands there already.
+            continue
         legs.append(_leg(move, here, source, now.machine))
         if isinstance(move, canon.Rapid | canon.Feed):
             here = move.to
@@ -120,13 +123,16 @@ def _straight(move: canon.Along) -> canon.Rapid | canon.Feed:
 
 def _leg(move: canon.Move, here: Millimetres, source: ProgramSource, machine: Machine) -> Leg:
     """A move on that way; its feed counts along mm or degrees."""
-    if isinstance(move, canon.Rapid | canon.Feed):
+    if isinstance(move, canon.Rapid | canon.Feed | canon.Arc | canon.Probe):
         unit = "°" if source.axes.way(here, move.to).is_angle else "mm"
         how = (
-            phrase("feed {feed_mm_min:g} {unit}/min", feed_mm_min=move.feed_mm_min, unit=unit)
-            if isinstance(move, canon.Feed)
-            else "rapid"
+            "rapid"
+            if isinstance(move, canon.Rapid)
+            else phrase("feed {feed_mm_min:g} {unit}/min", feed_mm_min=move.feed_mm_min, unit=unit)
         )
+        if isinstance(move, canon.Arc | canon.Probe):
+            what = phrase("arc") if isinstance(move, canon.Arc) else phrase("probe")
+            how = joined(", ", (what, how))
         place, work = machine.in_words(move.to), machine.in_words(source.frame.to_work(move.to))
         also = phrase("{work} (work)", work=work) if work != place else ""
         return Leg(phrase("{how} to {place} (machine)", how=how, place=place), also, is_move=True)
@@ -148,7 +154,12 @@ def _switched(move: canon.Move) -> str:
         return phrase("tool {number}", number=move.number)
     if isinstance(move, canon.PathControl):
         return phrase("corners as with {value}", value=move.mode.value)
-    return type(move).__name__.lower()
+    if isinstance(move, canon.Overrides):
+        word = phrase("on") if move.enabled else phrase("off")
+        return phrase("overrides {word}", word=word)
+    if isinstance(move, canon.Dwell):
+        return phrase("wait {duration_s:g} s", duration_s=move.duration_s)
+    return phrase("a stop") if isinstance(move, canon.Pause) else type(move).__name__.lower()
 
 
 def _run_up(begun: Beginning, move: canon.Spindle) -> list[Leg]:

@@ -108,16 +108,43 @@ def test_layers_that_are_off_are_left_out_and_that_is_told() -> None:
     assert found.notes == ["a.dxf: layers that are off or frozen are left out: hidden."]
 
 
-def test_texts_and_fills_are_told_once() -> None:
+def test_texts_are_told_once() -> None:
     document, space = drawing()
     space.add_line((0, 0), (1, 0))
     space.add_text("one")
     space.add_text("two")
     space.add_mtext("three")
-    space.add_hatch().paths.add_polyline_path([(0, 0), (5, 0), (5, 5)], is_closed=True)
     found = opened(document)
     assert len(found.paths(0.01)) == 1
-    assert [note.split(" ")[1] for note in found.notes] == ["TEXT", "MTEXT", "fills"]
+    assert [note.split(" ")[1] for note in found.notes] == ["TEXT", "MTEXT"]
+
+
+def test_of_a_fill_its_edges_are_drawn() -> None:
+    document, space = drawing()
+    fill = space.add_hatch()
+    fill.paths.add_polyline_path([(0, 0, 1), (9, 0, 0), (9, 9, 0), (0, 9, 0)], is_closed=True)
+    fill.paths.add_edge_path().add_arc((4, 4), 2, 0, 360)
+    outer, hole = paths(document)
+    assert outer.is_closed
+    assert outer.length_mm == pytest.approx(27 + 4.5 * math.pi, rel=0.01)
+    assert hole.is_closed
+    assert hole.length_mm == pytest.approx(4 * math.pi, rel=0.01)
+
+
+def test_the_edge_of_a_fill_that_is_drawn_as_a_line_is_cut_once() -> None:
+    document, space = drawing(1)
+    corners = [(0, 0), (3, 0), (3, 2), (0, 2)]
+    for begin, end in zip(corners, corners[1:] + corners[:1], strict=True):
+        space.add_line(begin, end)
+    space.add_circle((1, 1), 0.5)
+    for _ in range(2):
+        fill = space.add_hatch()
+        fill.paths.add_polyline_path(corners, is_closed=True)
+        fill.paths.add_edge_path().add_arc((1, 1), 0.5, 0, 360)
+    fill.paths.add_polyline_path([(1.9, 1), (2.1, 1), (2, 1.2)], is_closed=True)
+    found = paths(document)
+    assert [path.is_closed for path in found] == [True] * 3
+    assert found[2].bounds[0].tolist() == pytest.approx([1.9 * 25.4, 25.4])
 
 
 def test_dimensions_are_drawn_as_lines() -> None:

@@ -103,6 +103,8 @@ def test_what_is_no_drawing_is_one_sentence(bench: Bench, tmp_path: Path) -> Non
     assert "none of the files" in bench.refused(bench.file("a.svg", "G0 X1\nM2\n"), "-o", "x.ngc")
     broken = bench.file("b.png", EVERY["square.png"][:200])
     assert "as a picture" in bench.refused(broken, "-o", "x.ngc")
+    scrap = bench.file("s.png", b"\x89PNG and no more")
+    assert "as a picture: it is broken" in bench.refused(scrap, "--output", "x.ngc")
     assert "well-formed" in bench.refused(bench.file("c.svg", "<svg><g></svg>"), "-o", "x.ngc")
     half = bench.file("d.dxf", EVERY["binary.dxf"][:400])
     assert "as DXF" in bench.refused(half, "-o", "x.ngc")

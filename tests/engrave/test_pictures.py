@@ -1,6 +1,7 @@
 """Pictures of every sort; how dark they are; what is refused, and how much memory it takes."""
 
 import io
+import math
 import struct
 import tracemalloc
 import zlib
@@ -12,7 +13,7 @@ from PIL import Image
 from fraese.engrave.pictures import MOST_DOTS, read
 from fraese.errors import UsageError
 from tests.engrave.bench import Bench
-from tests.engrave.drawings import png, square_png
+from tests.engrave.drawings import EVERY, png, square_png
 
 
 def saved(picture: Image.Image, kind: str = "PNG", **options: object) -> bytes:
@@ -139,3 +140,36 @@ def test_a_picture_has_a_size_that_is_told(bench: Bench) -> None:
     made = bench.engrave(bench.file("a.png", square_png()), "--height", 11, "--origin", "centre")
     assert (made["size_mm"], made["low_mm"]) == ([16, 11], [-8, -5.5])
     assert "no zero of its own" in bench.refused("a.png", "-o", "x.ngc", "--origin", "file")
+
+
+@pytest.mark.parametrize("name", [name for name in EVERY if not name.endswith("png")])
+def test_drawings_are_filled_in_as_bitmaps(bench: Bench, name: str) -> None:
+    words = ["--way", "bitmap", "--power", 500, "--distance", 0.25, "--width", 30]
+    bench.engrave(bench.file(name, EVERY[name]), *words)
+    lit = [way for way in bench.ways() if way.power]
+    area = sum(way.length_mm for way in lit) * 0.25
+    assert area == pytest.approx(30 * 20 - 16 * math.pi, rel=0.01)
+    # The hole is where the drawing has it, the right way up: a row through its middle is broken.
+    middle = {"square.plt": 10}.get(name, 15 if name.endswith("dxf") else 5 + 10)
+    row = [way for way in lit if abs(way.begin[1] - middle) < 0.13]
+    assert sum(way.length_mm for way in row) / len({w.begin[1] for w in row}) == pytest.approx(
+        22, abs=0.3
+    )
+
+
+def test_open_lines_are_one_dot_wide_in_bitmaps(bench: Bench) -> None:
+    lines = '<path d="M0 0 H10 M5 2 V8" fill="none" stroke="black"/></svg>'
+    size = 'width="20mm" height="20mm" viewBox="0 0 20 20"'
+    svg = f'<svg xmlns="http://www.w3.org/2000/svg" {size}>{lines}'
+    file = bench.file("a.svg", svg)
+    bench.engrave(file, "--way", "bitmap", "--power", 500, "--distance", 0.5)
+    lit = [way for way in bench.ways() if way.power]
+    assert {round(way.length_mm, 1) for way in lit} >= {0.5}
+    assert sum(way.length_mm for way in lit) * 0.5 == pytest.approx(16 * 0.5, abs=2)
+    # On a filled rectangle it is seen too.
+    svg = svg.replace("<path", '<rect width="10" height="10"/><path').replace("H10", "M0 5 H10")
+    bench.engrave(bench.file("c.svg", svg), "--way", "bitmap", "--power", 500, "--distance", 0.5)
+    burnt = sum(way.length_mm for way in bench.ways() if way.power) * 0.5
+    assert burnt == pytest.approx(100 - 16 * 0.5, abs=2)
+    bench.engrave(bench.file("b.plt", "IN;PU0,0;PD0,800;"), "--way", "bitmap", "--distance", 1)
+    assert len({w.end for w in bench.ways() if w.end[2] < 0}) == pytest.approx(20, abs=1)

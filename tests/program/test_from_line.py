@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fraese.assembly import Plant
+from fraese.assembly import Plant, assemble
+from fraese.config import Config
 from fraese.control.state import Status
 from fraese.errors import ProgramError
 from fraese.gcode import canon
@@ -138,6 +139,28 @@ def test_m49_is_in_force_behind_the_place(made: Plant, tmp_path: Path) -> None:
     _cut(made, tmp_path, text, 5)
     # Down with half of F120 takes 20 s, then 20 mm with all of it 10 s.
     assert made.clock.now_ns() / 1e9 - began_s < 35
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [(4, "arc, feed 120 mm/min to X"), (5, "wait 2 s"), (6, "a stop"), (7, "probe, feed 120")],
+)
+def test_what_comes_first_is_told_in_words(tmp_path: Path, line: int, told: str) -> None:
+    text = "G21 G90 F120\nM49\nG1 X5\nG2 X15 I5 J0\nG4 P2\nM0\nG38.3 X16\nM2\n"
+    # Nothing lifts its tool, so nothing goes down either: the program's own move is next.
+    flat = assemble(Config.model_validate({"axes": {"names": ["x", "y"]}})).controller
+    _, *legs, _ = program(tmp_path, text).way_from(flat, line)
+    assert legs[-2] == "  overrides off"
+    assert legs[-1].startswith("  " + told)
+
+
+def test_a_way_that_goes_nowhere_is_not_told(made: Plant, tmp_path: Path) -> None:
+    text = "G21 G90 F120 G53 G0 Z0\nG0 X5\nG1 X9\nG1 X12\nM2\n"
+    made.controller.move_to({"z": 20})
+    made.controller.run()
+    _, *legs, _ = program(tmp_path, text).way_from(made.controller, 4)
+    assert len(legs) == 1
+    assert legs[0].startswith("  rapid to X ")
 
 
 def test_a_tool_that_is_in_is_not_asked_for_again(made: Plant, tmp_path: Path) -> None:
