@@ -35,6 +35,7 @@ from fraese.ui.calibrating import Writer
 from fraese.ui.dialogs.page import LivePage, Page
 from fraese.ui.dialogs.switches import Hand
 from fraese.ui.eventlog import EventLog, Kind
+from fraese.ui.filememory import Recent
 from fraese.ui.fingers import Fingers
 from fraese.ui.handtools import HandTools, NoTools
 from fraese.ui.heardapp import HeardApp
@@ -44,7 +45,7 @@ from fraese.ui.linehistory import LineHistory
 from fraese.ui.machinelink import MachineLink
 from fraese.ui.macros import Macro
 from fraese.ui.messages import Alarmed, Noted, Refused
-from fraese.ui.programs import OpenProgram, ProgramDesk, Recent, Resume, nothing_is_kept
+from fraese.ui.programs import OpenProgram, ProgramDesk, Resume, nothing_is_kept
 from fraese.ui.questions import Questions
 from fraese.ui.remembering import RememberingApp
 from fraese.ui.session import SessionFile

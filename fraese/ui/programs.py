@@ -8,6 +8,7 @@ from typing import Any, Protocol
 from fraese.control.controller import Controller
 from fraese.errors import FraeseError, ProgramError, StateError
 from fraese.phrases import spoken
+from fraese.ui.filememory import Forgets, MapMemory, Recent
 
 
 class Complaint(Protocol):
@@ -182,27 +183,6 @@ class Program(Protocol):
         """The machine as it stands, for ``way_lines``; in the machine's thread."""
 
 
-class Recent(Protocol):
-    """Files that were opened."""
-
-    def paths(self) -> Sequence[Path]:
-        """Newest first."""
-
-    def add(self, path: Path) -> None:
-        """This one was opened just now."""
-
-
-class Forgets:
-    """Of an app that keeps no list."""
-
-    def paths(self) -> Sequence[Path]:
-        """None."""
-        return ()
-
-    def add(self, path: Path) -> None:
-        """Nothing is kept."""
-
-
 OpenProgram = Callable[[Path], Program]
 
 
@@ -312,6 +292,7 @@ class ProgramDesk:
     Attributes:
         resume: likewise.
         recent: likewise.
+        maps: which file is bent to which height map.
         path: of what was opened last.
         program: what is loaded.
         look: what goes on just now beside everything else.
@@ -327,6 +308,7 @@ class ProgramDesk:
         self._open_program = open_program
         self.resume = resume
         self.recent = recent or Forgets()
+        self.maps = MapMemory()
         self.path = path
         self.program: Program | None = None
         self.look: Look | None = None

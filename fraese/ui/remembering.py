@@ -42,6 +42,8 @@ class RememberingApp(ViewedApp):
             self._programs.last_folder = Path(found.folder)
         if found.file and self._programs.path is None:
             self._open_again(Path(found.file))
+        if found.file and found.height_map:
+            self._programs.maps.remember(Path(found.file), Path(found.height_map))
 
     def remember_picture(self) -> None:
         """As the last time: look and view; from now on it is kept what changes."""
@@ -68,6 +70,7 @@ class RememberingApp(ViewedApp):
             view=self.current_mode,
             theme=self.theme,
             file=keepable(loaded),
+            height_map=keepable(programs.maps.of(loaded)),
             folder=keepable(programs.folder),
             jog_feed_mm_min=self.link.jog_rate.chosen,
             inputs=shortened(self._inputs),

@@ -66,6 +66,7 @@ class Session(BaseModel):
         view: the one that was seen.
         theme: the look.
         file: the program that was open; empty: none.
+        height_map: to which it was bent; empty: to none.
         folder: where programs were looked for.
         jog_feed_mm_min: how fast jogs go; None: as the configuration says.
         inputs: what was typed last, by the name of the question.
@@ -78,6 +79,7 @@ class Session(BaseModel):
     view: _Name = ""
     theme: _Name = ""
     file: _Path = ""
+    height_map: _Path = ""
     folder: _Path = ""
     jog_feed_mm_min: _Rate | None = None
     inputs: dict[_Name, _Input] = Field({}, max_length=_MOST_INPUTS)

@@ -15,6 +15,7 @@ from fraese.program.program import open_program
 from fraese.ui.dialogs.byhand import ProbeDialog
 from fraese.ui.dialogs.open import MapDialog
 from fraese.ui.dialogs.start import StartDialog
+from fraese.ui.eventlog import Kind
 from fraese.ui.newmap import new_map
 from fraese.ui.widgets.modal import in_force
 from tests.ui.helpers import Bench, bench, play
@@ -98,6 +99,46 @@ def test_while_it_counts_it_stands_in_the_line_of_what_is_in_force(tmp_path: Pat
             assert "MAP" in in_force(b.drawn)
 
     play(scene)
+
+
+def _words(b: Bench) -> str:
+    program = b.view.desk.programs.program
+    return "" if program is None else program.map_words
+
+
+def test_a_file_keeps_its_map_when_it_is_read_again_and_from_one_day_to_the_next(
+    tmp_path: Path,
+) -> None:
+    path, session = _files(tmp_path), tmp_path / "session.json"
+
+    async def before() -> None:
+        async with bench(session=session, program=path, open_program=open_program) as b:
+            await _ready(b)
+            await _choose(b, str(tmp_path / "board.map"))
+            await _ready(b)
+            path.write_text(PART.replace("X30", "X31"), "utf-8")
+            first = b.view.desk.programs.program
+            await b.press("o", "enter")
+            await b.wait(lambda: b.view.desk.programs.program is not first)
+            await b.settled()
+            assert _words(b) == "board.map, Z0 at X0 Y0"
+
+    async def after() -> None:
+        async with bench(session=session, open_program=open_program) as b:
+            await _ready(b)
+            assert _words(b) == "board.map, Z0 at X0 Y0"
+
+    async def gone() -> None:
+        async with bench(session=session, open_program=open_program) as b:
+            await _ready(b)
+            assert _words(b) == ""
+            titles = [event.title for event in b.app._events.of(tuple(Kind))]
+            assert any("part.ngc is not bent to its height map any more" in t for t in titles)
+
+    play(before)
+    play(after)
+    (tmp_path / "board.map").unlink()
+    play(gone)
 
 
 @pytest.mark.parametrize(

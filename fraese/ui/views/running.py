@@ -66,9 +66,25 @@ class RunsPrograms(GoesOn):
         def read() -> None:
             program = programs.read(path)
             programs.recent.add(path)
+            self._bend_again(path, program)
             self.call_later(self._loaded, path, program, look)
 
         self._aside(look, read)
+
+    def _bend_again(self, path: Path, program: Program) -> None:
+        """What was read anew is bent to the height map that it had; where that is gone, a word."""
+        heights = self.desk.programs.maps.of(path)
+        if heights is None or program.map_words:
+            return
+        try:
+            program.bend_to(heights)
+        except FraeseError as error:
+            said = spoken(
+                "{name} is not bent to its height map any more: {why}",
+                name=path.name,
+                why=str(error),
+            )
+            self.call_later(self.seen.note, said, warning=True)
 
     def _aside(self, look: Look, action: Callable[[], None]) -> None:
         """Do this in a thread of its own, for which nobody waits; say what it is refused for."""
@@ -142,12 +158,14 @@ class RunsPrograms(GoesOn):
     def _map_chosen(self, program: Program, path: Path | None) -> None:
         if path is None:
             return
-        look, chosen = self.desk.programs.begin(), path if path.name else None
+        desk = self.desk
+        look, chosen = desk.programs.begin(), path if path.name else None
         if chosen is not None:
-            self.desk.inputs[LAST_MAP] = str(chosen)
+            desk.inputs[LAST_MAP] = str(chosen)
 
         def read() -> None:
             program.bend_to(chosen)
+            desk.programs.maps.remember(desk.programs.path, chosen)
             self.call_later(self._see_through, program, look)
 
         self._aside(look, read)
