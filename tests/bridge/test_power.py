@@ -171,6 +171,28 @@ def test_a_hold_is_dark_and_what_follows_has_its_power_again(card: str, power: P
 
 
 @pytest.mark.parametrize("card", CARDS)
+def test_in_a_brake_power_goes_with_the_speed_that_is_left(card: str) -> None:
+    """No block has said anything of these intervals: they are the device's own."""
+    device = device_for(CARDS[card])
+    # X alone: whatever is written to the plug is one of its ticks, on clock lines in two bursts.
+    blocks = [block._replace(steps=(block.steps[0], 0, 0)) for block in ramp(Power(200, 2000))]
+    device.push([block._replace(accel_q=255 << 8) for block in blocks])
+    device.start()
+    bright = watched(device, 250 * MS)[-1].share
+    device.urgent(c.URGENT_BRAKE)
+    seen = watched(device, 300 * MS)
+    written = [write.cycle for write in device_writes(device) if write.cycle > seen[0].cycle]
+    bursts = sum(b - a > STEP_CYCLES for a, b in pairwise(written))
+    ticks = bursts / (2 if card == "clocks" else 1)
+    assert ticks > 400
+    assert bright == 200
+    assert min(one.share for one in seen if one.share) < 60
+    energy = sum(one.share * STEP_CYCLES for one in seen) / 256
+    assert energy == pytest.approx(ticks * 200 / 256 * 2000, rel=0.02)
+    assert seen[-1].share == 0
+
+
+@pytest.mark.parametrize("card", CARDS)
 def test_it_is_dark_within_a_tick_of_the_last_edge(card: str) -> None:
     """After a stop, a brake, a target: the interrupt that ends the run takes the timer off."""
     device = device_for(CARDS[card])
