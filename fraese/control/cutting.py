@@ -22,12 +22,16 @@ class Cutting:
         direction: of the spindle: clockwise 1, counter-clockwise -1, off 0.
         rev_min: its speed, also of one that is off; 0: nobody has said any.
         by_hand: the operator switches it: what is said is what he was told.
+        is_laser: it is the beam of a laser that burns.
+        power_percent: of all its power, at the programmed feed; None: it is only on or off.
     """
 
     feed_mm_min: float = 0.0
     direction: int = 0
     rev_min: float = 0.0
     by_hand: bool = False
+    is_laser: bool = False
+    power_percent: float | None = None
 
 
 #: Before the first program.

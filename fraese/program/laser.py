@@ -49,6 +49,13 @@ class Laser:
         self._wanted = self._power(move)
         return self._tell(self._wanted if self._told[0] else (0, False), planner)
 
+    def percent(self, move: canon.Spindle) -> float | None:
+        """How much of its power S means; None: it is on or off."""
+        config = self._config
+        if config is None or not config.pwm:
+            return None
+        return 100 * min(1.0, move.rev_min / config.power_max_s) if move.has_speed else 0.0
+
     def _power(self, move: canon.Spindle) -> tuple[int, bool]:
         config = self._config
         if config is None or not move.is_on:

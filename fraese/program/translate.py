@@ -145,7 +145,13 @@ class Translation:
 
     def _note_spindle(self, move: canon.Spindle, *, by_hand: bool) -> None:
         direction = move.direction if move.is_on else 0
-        self._note(direction=direction, rev_min=move.rev_min, by_hand=by_hand)
+        self._note(
+            direction=direction,
+            rev_min=move.rev_min,
+            by_hand=by_hand,
+            is_laser=bool(self._laser.mask),
+            power_percent=self._laser.percent(move),
+        )
 
     def _tag(self, move: canon.Move) -> int:
         """Names the move in the driver's reports."""

@@ -298,3 +298,24 @@ def test_without_an_s_word_there_is_no_power(tmp_path: Path) -> None:
     on, _ = _burnt(bench, tmp_path, "G21 G90\nM3\nG1 X9 F600\nS1\nG1 X18\nM2\n")
     assert min(x for x, _, _ in on) >= 9
     assert max(x for x, _, _ in on) > 17
+
+
+@pytest.mark.parametrize(
+    ("pwm", "told"),
+    [(True, [(1, 50.0), (-1, 100.0), (0, 100.0)]), (False, [(1, None), (-1, None)])],
+)
+def test_it_is_told_how_much_of_its_power_it_has(
+    pwm: bool, told: list[tuple[int, float | None]], tmp_path: Path
+) -> None:
+    made = assemble(configured(outputs={"laser": {"pin": 14, "pwm": pwm, "power_max_s": 200}}))
+    seen: list[tuple[int, float | None]] = []
+
+    def look() -> None:
+        cutting = made.controller.state().cutting
+        if cutting.is_laser:
+            seen.append((cutting.direction, cutting.power_percent))
+
+    made.controller.set_show_pos(look)
+    text = "G21 G90\nM3 S100\nG1 X8 F600\nM4 S400\nG1 X16\nM5\nG1 X24\nM2\n"
+    assert run_program(made, program(tmp_path, text)) is Status.OK
+    assert list(dict.fromkeys(seen))[: len(told)] == told

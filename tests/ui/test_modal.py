@@ -32,6 +32,10 @@ def a_state(**changes: object) -> MachineState:
         ({"cutting": Cutting(0, 1, 12000.0, True)}, "G54 | S12000 on by hand"),
         ({"cutting": Cutting(0, -1, 800.0)}, "G54 | S800 on, to the left"),
         ({"cutting": Cutting(0, 0, 800.0)}, "G54 | S800 off"),
+        ({"cutting": Cutting(0, 1, 500.0, is_laser=True)}, "G54 | S500 laser on"),
+        ({"cutting": Cutting(0, 1, 500.0, False, True, 50.0)}, "G54 | S500 laser 50%"),
+        ({"cutting": Cutting(0, -1, 125.0, False, True, 12.5)}, "G54 | S125 laser 12.5% M4"),
+        ({"cutting": Cutting(0, 0, 125.0, False, True, 12.5)}, "G54 | S125 off"),
         (
             {"work": WorkFacts("G55", True, 30.0, 2, (0.0, 0.0, 12.5), 12.5, 3.0)},
             "G55 | G92 | R30° | T2 | D3 | G43 12.5",

@@ -1,6 +1,7 @@
 """What is in force, in one line: offset, tool, spindle, feed and overrides, switches of a run.
 
 G54  G92  MAP  SENDER mill  T2  D3  G43 12.5  S12000 on by hand  F300 × 80% = 240  rapids 50%
+                                              S500 laser 50% M4
 """
 
 from collections.abc import Iterator
@@ -72,9 +73,21 @@ def _spindle(state: MachineState) -> Iterator[str]:
     if not cutting.direction:
         yield spoken("{speed} off", speed=speed)
         return
+    if cutting.is_laser:
+        yield _burning(speed, state)
+        return
     clockwise = cutting.direction > 0
     turning = spoken("{speed} on", speed=speed) if clockwise else _to_the_left(speed)
     yield spoken("{turning} by hand", turning=turning) if cutting.by_hand else turning
+
+
+def _burning(speed: str, state: MachineState) -> str:
+    """A beam; M4 where its power goes with the speed that is played."""
+    cutting = state.cutting
+    if cutting.power_percent is None:
+        return spoken("{speed} laser on", speed=speed)
+    share = f"{cutting.power_percent:.3g}%" + (" M4" if cutting.direction < 0 else "")
+    return spoken("{speed} laser {share}", speed=speed, share=share)
 
 
 def _to_the_left(speed: str) -> str:
