@@ -9,7 +9,7 @@ from fraese.control.state import Status
 from fraese.program.program import open_program
 from tests.engrave.bench import SQUARE_SVG, Bench
 from tests.engrave.drawings import EVERY
-from tests.helpers import carriages, homed
+from tests.helpers import homed
 
 DRAWINGS = [name for name in EVERY if not name.endswith("png")]
 
@@ -50,24 +50,62 @@ def test_nothing_is_cut_at_the_safe_height_and_no_rapid_goes_below_it(bench: Ben
             assert way.end[2] == 3
 
 
+#: Of files in which the circle is not in the upper half: its middle above the lower edge, mm.
+CIRCLE_Y_MM = {"square.plt": 4.0}
+
+
+def _off(x: float, y: float, circle_y: float) -> float:
+    """How far a place is from the drawing as it was meant: 12 x 8 mm, and a circle in it."""
+    inside = min(x, 12 - x, y, 8 - y)
+    beyond = math.hypot(max(-x, x - 12, 0), max(-y, y - 8, 0))
+    return min(abs(inside) if inside > 0 else beyond, abs(math.dist((x, y), (6, circle_y)) - 1.6))
+
+
+def _drawn(circle_y: float) -> list[tuple[float, float]]:
+    """Places all along it."""
+    turns = [math.tau * n / 24 for n in range(24)]
+    return [
+        *((12 * n / 24, y) for n in range(25) for y in (0, 8)),
+        *((x, 8 * n / 16) for n in range(17) for x in (0, 12)),
+        *((6 + 1.6 * math.cos(a), circle_y + 1.6 * math.sin(a)) for a in turns),
+    ]
+
+
 @pytest.mark.parametrize("name", EVERY)
-def test_it_is_looked_through_and_run_and_the_carriages_get_there(bench: Bench, name: str) -> None:
-    bench.engrave(bench.file(name, EVERY[name]), "--spindle", 0, "--width", 12)
+def test_it_is_looked_through_and_run_and_the_carriages_go_along_it(
+    bench: Bench, name: str
+) -> None:
+    # The picture has an edge of 10 dots, 0.4 mm, round the rectangle.
+    edge_mm, within_mm = (0.4, 0.06) if name.endswith("png") else (0.0, 0.015)
+    bench.engrave(bench.file(name, EVERY[name]), "--spindle", 0, "--width", 12 + 2 * edge_mm)
     assert bench.run("check", bench.folder / "out.ngc").stdout.endswith("ok\n")
     mill = homed()
     # The work lies at X 10, Y 10 and 20 mm below the upper end.
     mill.controller.move_to({"x": 10, "y": 10, "z": -20})
     assert mill.controller.run() is Status.OK
-    start = carriages(mill)
     (bench.folder / "lies.ngc").write_text("G10 L20 P1 X0 Y0 Z0\n" + bench.text)
+    cut: list[tuple[float, float]] = []
+    start = mill.controller.state().carriages_mm
+
+    def look() -> None:
+        x, y, z = (
+            now - then
+            for now, then in zip(mill.controller.state().carriages_mm, start, strict=True)
+        )
+        if z < -0.49:
+            cut.append((x - edge_mm, y - edge_mm))
+
+    mill.controller.set_break_key(look)
     program = open_program(bench.folder / "lies.ngc")
     program.start(mill.controller)
     assert mill.controller.run() is Status.OK, mill.controller.state().message
+    circle_y = CIRCLE_Y_MM.get(name, 6.0)
+    assert max(_off(x, y, circle_y) for x, y in cut) < within_mm
+    missed = [at for at in _drawn(circle_y) if min(math.dist(at, here) for here in cut) > 0.25]
+    assert missed == []
     last = bench.ways()[-1].end
-    steps = [200 * at for at in last]
-    assert [b - a for a, b in zip(start, carriages(mill), strict=True)] == pytest.approx(
-        steps, abs=1
-    )
+    end = mill.controller.state().carriages_mm
+    assert [b - a for a, b in zip(start, end, strict=True)] == pytest.approx(last, abs=0.006)
 
 
 def test_the_same_file_gives_the_same_program(bench: Bench) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from fraese.assembly import Plant
+from fraese.assembly import Plant, solids
 from fraese.assembly.solids import _top
 from fraese.config.solid import SimulatedSolid
 from fraese.control.jobs import line_of, move_of
@@ -244,6 +244,47 @@ def test_the_depth_in_the_board_is_the_same_all_along(corners: list[float], tmp_
     spread = [z - _top(surface, x, y) for x, y, z in sampled]
     assert max(spread) - min(spread) <= within_mm
     assert not any(made.controller.state().lost_steps)
+
+
+#: Of the curved board: mm of height at a mm from its ridge, to the square.
+CURVE = 0.0008
+
+
+def _curved(_solid: SimulatedSolid, x: float, y: float) -> float:
+    return TOP_MM + 0.3 - CURVE * ((x - 78) ** 2 + (y - 66) ** 2)
+
+
+@pytest.mark.parametrize("every_mm", [25.0, 12.5])
+def test_in_a_board_that_is_curved_between_the_points_it_is_off_by_the_chord(
+    every_mm: float, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """What a map cannot know is how the board bulges between its points: the sag of a chord."""
+    monkeypatch.setattr(solids, "_top", _curved)
+    made = table(0, 0, 0, 0)
+    grid = Grid((0.0, 0.0), (60.0, 50.0), every_mm)
+    one = Mapping(made.controller, empty_map(made.controller, grid), Feeling(), lambda part: None)
+    one.start()
+    assert made.controller.run() is Status.OK, made.controller.state().message
+    heights = one.part.whole()
+    made.controller.set_zero("z", TOP_MM + 3 - _curved(board(0, 0, 0, 0), 50, 40))
+    depths: list[float] = []
+
+    def sample() -> None:
+        state = made.controller.state()
+        if state.job is not None and 5 <= state.job.line <= 8 and state.carriages_mm:
+            x, y, z = state.carriages_mm
+            depths.append(_curved(board(0, 0, 0, 0), x, y) - z)
+
+    part = with_map(program(tmp_path, PART), heights, tmp_path)
+    made.controller.set_break_key(sample)
+    part.start(made.controller, part.check(made.controller))
+    assert made.controller.run() is Status.OK, made.controller.state().message
+    cell_x, cell_y = heights.x_mm[1], heights.y_mm[1]
+    sag_mm = CURVE * (cell_x**2 + cell_y**2) / 4
+    within_mm = 4 * HALF_STEP_MM + TOLERANCE_MM
+    assert min(depths) > 0.2 - within_mm
+    # In the middle of a cell it is nearly all of that.
+    assert 0.2 + 0.7 * sag_mm < max(depths) < 0.2 + sag_mm + within_mm
 
 
 LEVEL = HeightMap((0, 30, 60), (0, 50), ((0.25, 0.25, 0.25), (0.25, 0.25, 0.25)))
