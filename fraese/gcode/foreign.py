@@ -14,6 +14,8 @@ from fraese.phrases import phrase
 
 _REMARKS: Final = re.compile(r"\([^()]*\)?|;.*")
 _BRACKETS: Final = re.compile(r"\[.*\]|(?<=[#oO])<[^<>]*>")
+#: Nobody means a number of this size, mm.
+_NO_PLACE: Final = 1e9
 _EXPONENT: Final = re.compile(
     r"(?<![0-9.])(?:[0-9]+\.?[0-9]*|\.[0-9]+)e[-+]?[0-9]+(?![0-9.])", re.IGNORECASE
 )
@@ -64,6 +66,12 @@ def _exponent(text: str) -> str:
     if found is None:
         return ""
     value = float(found.group())
+    if abs(value) >= _NO_PLACE:
+        return phrase(
+            "{group} is a number with an exponent, which the language has not, and larger than any"
+            " place",
+            group=repr(found.group()),
+        )
     written = f"{value:.6f}".rstrip("0").rstrip(".")
     return phrase(
         "{group} is a number with an exponent, which the language has not; write it out: {written}",

@@ -204,6 +204,8 @@ def _in_force(source: ProgramSource) -> str:
 def _feed_in_words(source: ProgramSource) -> str:
     """The feed in force; where there are rotary axes, it is one of degrees for them."""
     modal = source.modal
+    if not modal.feed_mm_min and not modal.feed_word:
+        return phrase("none yet")
     said = phrase("{feed_mm_min:g} mm/min", feed_mm_min=modal.feed_mm_min)
     return (
         said

@@ -81,6 +81,7 @@ def test_refused_where_it_would_mean_something_else(text: str, said: str) -> Non
     [
         ("g1 x1e-05 y2", "'1e-05' is a number with an exponent.* write it out: 0.00001"),
         ("g1 x10 f1E3", "'1E3' is a number with an exponent.* write it out: 1000"),
+        ("g1 x1e400", "'1e400' is a number with an exponent.* larger than any place"),
         ("g1 x1 e2", "extruder"),
         ("g76 p.05 z-1 i-.1 j.02 k.04 e2 l3", "G76 is refused"),
         ("hello world", "'hello world' is no G-code"),

@@ -161,6 +161,8 @@ def test_a_way_that_goes_nowhere_is_not_told(made: Plant, tmp_path: Path) -> Non
     _, *legs, _ = program(tmp_path, text).way_from(made.controller, 4)
     assert len(legs) == 1
     assert legs[0].startswith("  rapid to X ")
+    rapids = program(tmp_path, "G21 G90\nG0 X5\nG0 X9\nM2\n").way_from(made.controller, 3)
+    assert "with feed none yet, tool 0" in rapids[-1]
 
 
 def test_a_tool_that_is_in_is_not_asked_for_again(made: Plant, tmp_path: Path) -> None:
