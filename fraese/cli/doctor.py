@@ -11,9 +11,10 @@ import typer
 from fraese.cli import language
 from fraese.cli.histogram import histogram
 from fraese.cli.leaving import leave
-from fraese.cli.options import ConfigOption, JsonOption
+from fraese.cli.options import ConfigOption, JsonOption, TraceOption
 from fraese.cli.output import note, say
 from fraese.errors import UsageError
+from fraese.kinds.port import port_kind
 from fraese.phrases import phrase, shown
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ def doctor(
     load: Annotated[
         bool, typer.Option("--load/--no-load", help="Measure with all cores busy, too.")
     ] = True,
+    trace: TraceOption = None,
 ) -> None:
     """Look port, kernel and timing over: can this computer be trusted with steel?
 
@@ -61,12 +63,20 @@ def doctor(
                 )
             )
         loaded = language.load(config)
+        if trace is not None and not port_kind(loaded.port).opens:
+            raise UsageError(
+                phrase(
+                    "--trace: doctor does nothing with a port of the kind {kind} that a waveform"
+                    " could show.",
+                    kind=loaded.port.kind,
+                )
+            )
         if sys.platform != "linux":
             raise UsageError(phrase("doctor looks at a Linux kernel, and here is none."))
         # Only there: what it measures with exists on Linux only.
         from fraese.doctor import examine
 
-        diagnosis = examine(loaded, seconds, load, note)
+        diagnosis = examine(loaded, seconds, load, note, trace=trace)
         say(json.dumps(as_dict(diagnosis)) if as_json else "\n".join(report(diagnosis)))
         return 0 if diagnosis.ok else 1
 

@@ -12,10 +12,12 @@ Rule 3: for the simulated mill and the bridge the timing is never bad: their ste
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Final
 
 from fraese.assembly.drivers import realtime_options
+from fraese.assembly.tracing import LocalTrace, recorded, wanted
 from fraese.config import Config
 from fraese.doctor import timing
 from fraese.doctor.board import try_board
@@ -29,6 +31,7 @@ from fraese.doctor.timing import Say, Timing
 from fraese.kinds.card import card_of
 from fraese.kinds.port import port_opener
 from fraese.motor.awake import Awake
+from fraese.motor.clock import MonotonicClock
 from fraese.motor.ports.facts import describe
 from fraese.motor.ports.null import NullPort
 from fraese.motor.realtime.kernel import kernel_facts
@@ -63,7 +66,12 @@ class Diagnosis:
 
 
 def examine(
-    config: Config, seconds: float, load: bool, say: Say, root: Path = Path("/")
+    config: Config,
+    seconds: float,
+    load: bool,
+    say: Say,
+    root: Path = Path("/"),
+    trace: Path | None = None,
 ) -> Diagnosis:
     """Look a machine over, and measure how late its steps are.
 
@@ -73,13 +81,15 @@ def examine(
         load: measure with all cores busy, too.
         say: is told what is being done.
         root: where the file system begins, for what is read about the kernel.
+        trace: waveform file of what is done with a parallel port; None: as ``port.record`` says.
 
     Raises:
+        TraceError: if that cannot be written.
         ConfigError: if the card cannot be built as configured.
         PortError: if the step process does not start.
     """
     card = card_of(config)
-    patient = admit(config, card, root)
+    patient = admit(config, card, root, trace or recorded(config.port))
     checks = (*port_checks(config.port.kind), *MOTOR_CHECKS, *KERNEL_CHECKS)
     findings = list(ask(checks, patient))
     duty = timing.duty_of(card, realtime_options(config))
@@ -95,7 +105,7 @@ def examine(
     )
 
 
-def admit(config: Config, card: Card, root: Path = Path("/")) -> Patient:
+def admit(config: Config, card: Card, root: Path = Path("/"), trace: Path | None = None) -> Patient:
     """Collect all that the checks look at; opens the port, and asks for an inhibitor once."""
     options = realtime_options(config)
     awake = Awake()
@@ -105,7 +115,7 @@ def admit(config: Config, card: Card, root: Path = Path("/")) -> Patient:
         config=config,
         card=card,
         port=describe(config.port.parallel_device, root),
-        opening=_OPENINGS.get(config.port.kind, _really)(config, card, root),
+        opening=_OPENINGS.get(config.port.kind, partial(_really, trace))(config, card, root),
         kernel=kernel_facts(PRIORITY, root),
         sleeps=Setup(NullPort, card, options=options).gap_s() >= SLEEP_GAP_S,
         awake=held,
@@ -113,8 +123,16 @@ def admit(config: Config, card: Card, root: Path = Path("/")) -> Patient:
     )
 
 
-def _really(config: Config, card: Card, _root: Path) -> Opening:
-    return try_port(port_opener(config), card)
+def _really(trace: Path | None, config: Config, card: Card, _root: Path) -> Opening:
+    open_port = port_opener(config)
+    waveform = wanted(config, trace)
+    if waveform is None:
+        return try_port(open_port, card)
+    noted = LocalTrace(waveform.begin(), MonotonicClock())
+    try:
+        return try_port(lambda: noted.on(open_port()), card)
+    finally:
+        noted.close()
 
 
 def _nothing(_config: Config, _card: Card, _root: Path) -> Opening:

@@ -9,12 +9,16 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from typer.testing import CliRunner
 
 from fraese.assembly import Plant, assemble
+from fraese.cli import app
 from fraese.config import Config
 from fraese.config import file as configuration
 from fraese.control.state import Status
+from fraese.doctor import admit
 from fraese.errors import ConfigError, PortError, ProgramError
+from fraese.kinds.card import card_of
 from fraese.kinds.port import port_opener
 from fraese.motor.pins import CONTROL_PINS
 from fraese.motor.seams import CONTROL, DATA, STATUS
@@ -82,6 +86,21 @@ def test_the_bytes_of_the_page_are_those_of_its_currents() -> None:
 
 def test_the_keys_of_the_page_are_taken(files: Mapping[str, Path]) -> None:
     assert configuration.load(files["keys.toml"]).keys["go_to"] == ("f8",)
+
+
+def test_the_macro_of_the_page_parks_the_machine(files: Mapping[str, Path], tmp_path: Path) -> None:
+    config = configuration.load(files["park.toml"])
+    (macro,) = config.macros
+    plant = assemble(config)
+    plant.controller.home()
+    plant.controller.run()
+    part = tmp_path / "part.ngc"
+    part.write_text("\n".join(macro.lines))
+    program = open_program(part)
+    program.start(plant.controller, program.check(plant.controller))
+    assert plant.controller.run() is Status.OK
+    assert plant.controller.state().position_mm == (10, 190, -1)
+    plant.close()
 
 
 def installed(
@@ -153,6 +172,24 @@ def test_the_port_of_the_page_is_three_registers(
     assert far_end.writes == [(DATA, 0xA5), (CONTROL, 0x0B)]
     with pytest.raises(ConfigError, match="must be host:port, such as mill:4711, not /dev/lp0"):
         configuration.from_table({"port": {"kind": "tcp", "device": "/dev/lp0"}}, "test")
+
+
+def test_the_doctor_shows_what_it_does_with_the_port_of_the_page(
+    files: Mapping[str, Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    far_end: SimpleNamespace,
+) -> None:
+    config = reached(installed(files, "tcp", tmp_path, monkeypatch), far_end)
+    patient = admit(config, card_of(config), trace=tmp_path / "doctor.vcd")
+    assert patient.opening.error == ""
+    assert patient.opening.pins
+    waveform = (tmp_path / "doctor.vcd").read_text()
+    assert "pin01_nstrobe" in waveform
+    assert waveform.count("#") >= 2
+    result = CliRunner().invoke(app, ["doctor", "--trace", str(tmp_path / "no.vcd")])
+    assert result.exit_code == 2
+    assert "a port of the kind simulation" in result.output
 
 
 @pytest.mark.alone
