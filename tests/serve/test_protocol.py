@@ -9,8 +9,10 @@ import pytest
 from fraese import gcode
 from fraese.control.state import Status
 from fraese.errors import PortError
+from fraese.motor.seams import CONTROL
 from fraese.serve.codes import REFUSALS
 from fraese.serve.inbox import Inbox, Sent
+from tests.helpers import record
 from tests.serve.sender import Bench, bench, unreferenced
 
 OK = ["ok"]
@@ -368,3 +370,22 @@ def test_every_refusal_that_has_a_number_is_one_of_the_language() -> None:
         for part in pattern.split("|")
         if not re.search(part, filled)
     ] == []
+
+
+def test_what_was_said_of_a_laser_and_of_corners_holds_behind_a_rest() -> None:
+    at = bench(outputs={"laser": {"pin": 14}})
+    recorder = record(at.plant)
+    lit: list[bool] = []
+
+    def look() -> bool:
+        written = [each.value for each in recorder.accesses if each.register == CONTROL]
+        lit.append(not written[-1] & 0b0010)
+        return False
+
+    at.say("G61.1", "M3 S1000", "G1 X1 F600")
+    assert at.session.modes.doing.value == ""
+    at.when(lambda: 2 < at.at_mm[0] < 3.9 and look(), lambda: None)
+    assert at.say("G1 X4") == ["ok"]
+    assert lit
+    assert all(lit)
+    assert at.say("$G")[0] == "[GC:G1 G54 G17 G21 G90 G94 M3 M9 T0 F600 S1000]"
