@@ -2,6 +2,7 @@
 
 Rule 1: they set flags of the controller and wishes for the machine's thread; nothing waits.
 Rule 2: a hold is one of the job in hand, and of all that waits; a jog that is held is over.
+        Only what the sender has begun or held he lets go on.
 Rule 3: a reset brakes with a ramp, so that the place stays known, and is carried out at rest. It
         locks the machine if that moved, as a grbl does.
 """
@@ -26,6 +27,10 @@ _MOVES: Final = 15
 #: Bytes that change the feed override, by so many per cent; None: back to 100.
 _FEEDS: Final[Mapping[int, int | None]] = {0x90: None, 0x91: 10, 0x92: -10, 0x93: 1, 0x94: -1}
 _RAPIDS: Final[Mapping[int, float]] = {0x95: 1.0, 0x96: 0.5, 0x97: 0.25}
+
+
+#: What a sender may say when somebody has taken the machine from him: nothing that lets it move.
+_ALWAYS: Final = frozenset({receiver.STATUS, receiver.HOLD, receiver.DOOR, receiver.RESET})
 
 
 @dataclass
@@ -98,7 +103,7 @@ class AtOnce:
     def act(self, byte: int) -> None:
         """Do what it asks for; one that means nothing is passed over."""
         act = self._acts.get(byte)
-        if act is not None:
+        if act is not None and not (self._modes.out and byte not in _ALWAYS):
             act()
 
     def stop(self) -> None:
@@ -133,12 +138,15 @@ class AtOnce:
         if self._modes.doing is Doing.JOG:
             self._cancel_jog()
             return
-        self._modes.held = True
-        self._modes.door = self._modes.door or door
         if self._controller.status is Status.RUN:
             self._controller.hold()
+        self._modes.held = True
+        self._modes.door = self._modes.door or door
 
     def _go_on(self) -> None:
+        if not self._modes.held and self._modes.doing is Doing.NOTHING:
+            # Somebody else has held what moves, or is asked something.
+            return
         self._modes.held = self._modes.door = False
         self._controller.resume()
         self._controller.answer()

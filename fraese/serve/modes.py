@@ -52,7 +52,7 @@ class Modes:
         if self.alarm or self.out or state.status is Status.ERROR:
             return "Alarm"
         runs = state.status is Status.RUN
-        if self.held or (runs and (holding or state.question)):
+        if (holding or state.question) if runs else self.held:
             stands = not runs or state.held or bool(state.question)
             return self._held_word(stands=stands)
         if not runs:

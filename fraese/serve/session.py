@@ -212,6 +212,9 @@ class Session:
 
     def between(self) -> None:
         """Between two rounds of the run loop, while a job runs."""
+        if self.modes.held and not self._controller.holding:
+            # Somebody else has let it go on.
+            self.modes.held = self.modes.door = False
         if self.modes.doing in (Doing.PROGRAM, Doing.JOG):
             self._feeder.between()
 

@@ -389,3 +389,46 @@ def test_what_was_said_of_a_laser_and_of_corners_holds_behind_a_rest() -> None:
     assert lit
     assert all(lit)
     assert at.say("$G")[0] == "[GC:G1 G54 G17 G21 G90 G94 M3 M9 T0 F600 S1000]"
+
+
+def test_who_lets_a_held_stream_go_on_lets_all_of_it(at: Bench) -> None:
+    at.when(lambda: at.at_mm[0] > 2, lambda: at.bytes(b"!"))
+    at.when(lambda: at.controller.state().held, lambda: at.controller.resume() or True)
+    assert at.say("G1 X10 F600")[-1] == "ok"
+    assert at.word == "Idle"
+    assert at.say("G0 X1") == ["ok"]
+
+
+def test_a_sender_lets_nothing_go_on_that_somebody_else_has_held(at: Bench) -> None:
+    seen: list[bool] = []
+
+    def hold() -> None:
+        at.controller.hold()
+        at.bytes(b"~")
+
+    def look() -> None:
+        seen.append(at.controller.holding)
+        at.controller.resume()
+
+    at.when(lambda: at.at_mm[0] > 2, hold)
+    at.when(lambda: at.controller.state().held, look)
+    at.controller.move_to({"x": 10}, feed_mm_min=600)
+    assert at.controller.run() is Status.OK
+    assert seen == [True]
+
+
+def test_who_has_taken_over_is_not_disturbed(at: Bench) -> None:
+    at.session.take(out=True)
+    at.work()
+    assert at.word == "Alarm"
+    at.bytes(b"\x91~\x96")
+    assert at.controller.handling.feed == 1.0
+    assert at.controller.handling.rapid == 1.0
+    assert at.say("$X", "$H", "G0 X1", "$G")[:3] == [
+        "[MSG:Somebody at the machine has taken over.]", "error:9",
+        "[MSG:Somebody at the machine has taken over.]",
+    ]  # fmt: skip
+    assert at.at_mm[0] == 0.0
+    at.session.take(out=False)
+    assert at.say("$X", "G0 X1")[-1] == "ok"
+    assert at.at_mm[0] == 1.0
