@@ -133,7 +133,7 @@ class Watch:
 
     def _seeks_ends(self) -> bool:
         """A job that has to run into the switches, which are outside."""
-        return self._job().startswith("measure the travel")
+        return self._job().startswith(("measure the travel", "reference"))
 
     def _job(self) -> str:
         state = self._plant.controller.state()
