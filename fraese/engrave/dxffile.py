@@ -187,9 +187,15 @@ def _refusals(name: str) -> Iterator[None]:
     except FraeseError:
         raise
     except Exception as error:
-        said = plain(str(error)).strip().rstrip(".") or type(error).__name__
+        # What it stumbles over says nothing to whoever drew it.
+        stumbled = isinstance(error, LookupError | TypeError | AttributeError)
+        said = "" if stumbled else plain(str(error)).strip().rstrip(".")
         raise UsageError(
-            phrase("{name} cannot be read as DXF: {why}.", name=name, why=said)
+            phrase(
+                "{name} cannot be read as DXF: {why}.",
+                name=name,
+                why=said or phrase("it is broken"),
+            )
         ) from error
 
 

@@ -27,7 +27,9 @@ MOST_POINTS: Final = 100_000
 MOST_BYTES: Final = 4 << 20
 _FURTHEST_MM: Final = 100_000
 
-_Place = Annotated[float, Field(ge=-_FURTHEST_MM, le=_FURTHEST_MM)]
+_POINTS: Final = ("reference_mm", "origin_mm")
+
+_Place = Annotated[float, Field(strict=True, ge=-_FURTHEST_MM, le=_FURTHEST_MM)]
 _Lines = Annotated[list[_Place], Field(min_length=2, max_length=MOST_POINTS)]
 
 
@@ -166,6 +168,8 @@ def _no_number(word: str) -> Any:
 def _said(kind: str, place: tuple[int | str, ...], reason: str) -> Phrase:
     """What is wrong with one value."""
     key = str(place[0]) if place else ""
+    if key in _POINTS:
+        return phrase("{key} is a point: two numbers of mm, X and Y.", key=key)
     if kind == "missing":
         return phrase("{key} is missing.", key=key)
     if kind == "extra_forbidden":

@@ -114,7 +114,8 @@ def part_of(content: Content) -> PartMap:
     with content.open() as stream:
         raw = stream.read()
     try:
-        text = raw.decode()
+        # Some editors put a mark in front.
+        text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ProgramError(phrase("is no height map: it is no text."), file=content.file) from error
     return decoded(text, content.file)

@@ -144,6 +144,8 @@ def test_what_is_no_drawing_is_one_sentence(bench: Bench, tmp_path: Path) -> Non
     scrap = bench.file("s.png", b"\x89PNG and no more")
     assert "as a picture: it is broken" in bench.refused(scrap, "--output", "x.ngc")
     assert "well-formed" in bench.refused(bench.file("c.svg", "<svg><g></svg>"), "-o", "x.ngc")
+    torn = bench.file("t.dxf", "0\nSECTION\n2\nENTITIES\n0\nHATCH\n91\n9\n0\nENDSEC\n0\nEOF\n")
+    assert "t.dxf cannot be read as DXF: it is broken." in bench.refused(torn, "-o", "x.ngc")
     half = bench.file("d.dxf", EVERY["binary.dxf"][:400])
     assert "as DXF" in bench.refused(half, "-o", "x.ngc")
     assert "no lines" in bench.refused(bench.file("e.dxf", "0\nSECTION\n2\n"), "-o", "x.ngc")

@@ -287,6 +287,12 @@ def test_in_a_board_that_is_curved_between_the_points_it_is_off_by_the_chord(
     assert 0.2 + 0.7 * sag_mm < max(depths) < 0.2 + sag_mm + within_mm
 
 
+def test_a_map_with_the_mark_of_an_editor_is_one(tmp_path: Path) -> None:
+    path = chosen(tmp_path, LEVEL)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert take_map(path).heights.heights_mm == LEVEL.heights_mm
+
+
 LEVEL = HeightMap((0, 30, 60), (0, 50), ((0.25, 0.25, 0.25), (0.25, 0.25, 0.25)))
 
 
