@@ -82,6 +82,7 @@ class Beginning:
     def _from(self, place: Place, moves: Moves, numbers: Numbers) -> Moves:
         """What lies before is read for what it leaves in force."""
         kept: dict[type, canon.Move] = {}
+        left: dict[str, canon.Message | None] = {}
         replay = self.source.only_read(place.line) if self.found is self.now else None
         # Gone on with, it begins where it stood then; else nothing says where it would be.
         at = None if self.found is self.now else self.found.start_mm
@@ -110,9 +111,12 @@ class Beginning:
             elif isinstance(move, _REPEATED):
                 kept[type(move)] = move
                 at = facts.position_mm if facts else at
+            elif isinstance(move, canon.Output | canon.Command):
+                left.update(_left_out(move))
         if replay is not None:
             replay.require_place()
         numbers.leave()
+        yield from filter(None, left.values())
         yield canon.Offsets(move.line)
         yield from self._way_to(at, kept, move.line)
         yield from _repeated(kept, canon.Overrides)
@@ -172,6 +176,15 @@ def _nothing_found(source: ProgramSource, probe: canon.Probe) -> ProgramError:
     )
     line, message = source.complaint(probe.line, said)
     return ProgramError(message, line)
+
+
+def _left_out(move: canon.Output | canon.Command) -> dict[str, canon.Message | None]:
+    """What is to be said of a word that is not carried out again; None: it left nothing behind."""
+    if isinstance(move, canon.Command):
+        said = phrase("M{code} is not carried out again", code=move.code)
+        return {f"M{move.code}": canon.Message(move.line, said, "note")}
+    said = phrase("the output {name} is not switched on again", name=move.name)
+    return {move.name: canon.Message(move.line, said, "note") if move.is_on else None}
 
 
 def _rest(moves: Moves, facts: canon.Facts | None) -> Moves:

@@ -157,6 +157,8 @@ def _switched(move: canon.Move) -> str:
     if isinstance(move, canon.Overrides):
         word = phrase("on") if move.enabled else phrase("off")
         return phrase("overrides {word}", word=word)
+    if isinstance(move, canon.Message):
+        return phrase("line {line}: {text}", line=move.line, text=move.text)
     if isinstance(move, canon.Dwell):
         return phrase("wait {duration_s:g} s", duration_s=move.duration_s)
     return phrase("a stop") if isinstance(move, canon.Pause) else type(move).__name__.lower()

@@ -27,6 +27,10 @@ def pulse(call: Call) -> Any:
     yield Output(call.line, "air", False)
 
 
+def stays_on(call: Call) -> Any:
+    yield Output(call.line, "mist", True)
+
+
 def strays(call: Call) -> Any:
     yield Feed(call.line, (0.0, 0.0, 0.0), 100.0)
 
@@ -38,7 +42,7 @@ def fails(call: Call) -> Any:
 @pytest.fixture(autouse=True)
 def rows(monkeypatch: pytest.MonkeyPatch) -> None:
     """Rows of the house, as somebody would add them."""
-    found = {"M110": Word(pulse), "M111": Word(strays), "M112": Word(fails)}
+    found = {"M110": Word(pulse), "M111": Word(strays), "M112": Word(fails), "M113": Word(stays_on)}
     before = type(WORDS).record
 
     def record(seam: Seam, name: str) -> Any:
@@ -188,6 +192,23 @@ def test_a_program_is_carried_out_where_the_motors_stand(tmp_path: Path, folder:
     assert there == {(200, 0, 0), (400, 0, 0)}
     assert made.controller.state().position_steps == (400, 0, 0)
     assert list(tmp_path.rglob("oops")) == []
+
+
+def test_what_a_start_in_the_middle_leaves_out_is_told(tmp_path: Path, folder: Path) -> None:
+    put(folder, "M101", "echo ran >> ran\n")
+    outputs = {"own": {"air": {"pin": 16}, "mist": {"pin": 17}}}
+    made = plant(outputs=outputs, run={"m_code_folder": str(folder)})
+    text = "G21 G90 F600\nM101\nM113\nM110\nG1 X1\nG1 X2\nM2\n"
+    part = program(tmp_path, text)
+    way = part.way_from(made.controller, 6)
+    assert way[1:3] == [
+        "  line 2: M101 is not carried out again",
+        "  line 3: the output mist is not switched on again",
+    ]
+    assert not any("air" in line for line in way)
+    assert run_program(made, part, from_line=6) is Status.OK
+    assert made.controller.state().position_mm[0] == 2
+    assert not (folder / "ran").exists()
 
 
 def test_without_a_folder_nothing_is_carried_out(tmp_path: Path, folder: Path) -> None:
