@@ -7,7 +7,7 @@
 
 Rule 1: keys are heard by the app; the machine runs in a thread of its own, as fast as it can.
 Rule 2: a press comes back when the machine has come to rest, or waits: for an answer, in a hold, or
-        where time was frozen.
+        where time was frozen; and no program is being read or looked through.
 Rule 3: nothing of the person at the computer is read or written: the configuration is a copy, and
         the state lies beside it.
 """
@@ -232,5 +232,6 @@ class App:
     def _rests(self) -> bool:
         controller, state = self._plant.controller, self._plant.controller.state()
         waits = self._time.is_frozen or state.question or (controller.holding and state.held)
-        # It is drawn, too.
-        return bool(waits or not self.ui.busy) and state == self.ui._state
+        # No file is read or looked through beside it, and it is drawn.
+        done = bool(waits or not self.ui.busy) and self.ui._programs.look is None
+        return done and state == self.ui._state

@@ -33,7 +33,7 @@ def test_a_program_is_opened_and_asks_and_is_answered(app: App, part: Path) -> N
     app.press("o")
     app.type(part.name)
     app.press("enter")
-    app.wait(lambda: "Start it with" in app.text, "the program to be opened")
+    assert "Start it with" in app.text
     app.press("s", "enter")
     assert "look at it" in app.question
     assert app.mill.position_mm["x"] == 5
