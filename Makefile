@@ -3,7 +3,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: run test fuzz monkey mutate campaign looks tour engravings pictures coverage check format clean firmware images manual site \
+# What is compiled, where there is a C compiler, is listed in fraese/compiled.py. Whoever changes one of those sources
+# sees the change: all are plain then, until they are compiled anew.
+.PHONY: run compiled test test-plain fuzz monkey mutate campaign looks tour engravings pictures coverage check format clean firmware images manual site \
 	rig-avr rig-lpt senders
 
 run: $(READY)
@@ -14,10 +16,21 @@ test: $(READY)
 	$(BIN)/pytest -n auto --dist worksteal -m "not alone"
 	$(BIN)/pytest -m alone
 
+# What is listed there, compiled; says so if it cannot be.
+compiled: $(READY)
+	$(BIN)/python setup.py --quiet build_ext --inplace
+	@FRAESE_LANGUAGE=en $(BIN)/fraese --version | grep ', compiled$$'
+
+# What touches compiled modules, in their plain form. The clock is the only thing that sees the difference elsewhere.
+test-plain: $(READY)
+	FRAESE_PLAIN=1 $(BIN)/pytest -n auto --dist worksteal -m "not alone" $(COMPILED_TESTS)
+
+COMPILED_TESTS := tests/motor tests/planner tests/gcode tests/contracts tests/program tests/bridge
+
 # Faults in important lines, one at a time: which of them no test sees. ONLY=word: those with it in
 # their names. Takes most of an hour.
 mutate: $(READY)
-	$(BIN)/python -m bench.mutants $(ONLY)
+	FRAESE_PLAIN=1 $(BIN)/python -m bench.mutants $(ONLY)
 
 # Faults at random moments, hundreds of each kind, and what was claimed against the truth. ONLY="words": kinds with
 # all of them in their names. TRIES=10: so many of each; SHORT=1: a few. JOBS=2: attempts at once. ROUND=20: so many
@@ -58,7 +71,7 @@ pictures: $(READY) tour engravings
 
 # Twice as slow.
 coverage: $(READY)
-	$(BIN)/pytest --cov --cov-report=term
+	FRAESE_PLAIN=1 $(BIN)/pytest --cov --cov-report=term
 
 check: $(READY)
 	$(BIN)/ruff format --check .
@@ -113,8 +126,10 @@ rig-lpt: $(READY)
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "fraese needs Python 3.11 or newer; $(PYTHON) is " + sys.version.split()[0] + ". Name another: make PYTHON=python3.12 run")'
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	FRAESE_PLAIN=1 $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	-@$(BIN)/python setup.py --quiet build_ext --inplace
 	@touch $@
 
 clean:
-	rm -rf .venv .rig-cache build *.egg-info .coverage .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	find fraese -name '*.so' -delete
+	rm -rf .venv .rig-cache build fraese/compiled.stamp *.egg-info .coverage .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis

@@ -27,9 +27,9 @@ MUTANTS: Final = (
         tests_of("program/test_visit.py", "test_the_deepest_place_is_that_of_the_new_tool"),
     ),
     Mutant(
-        "program/check: what leaves the travel upwards is no warning",
+        "program/survey: what leaves the travel upwards is no warning",
         "a program is started that drives an axis into its end",
-        _P + "check.py",
+        _P + "survey.py",
         "                if high[i] > before_mm:\n",
         "                if False:\n",
         tests_of(
@@ -37,9 +37,9 @@ MUTANTS: Final = (
         ),
     ),
     Mutant(
-        "program/check: a run is not guarded",
+        "program/survey: a run is not guarded",
         "what a probe led to is driven into an end",
-        _P + "check.py",
+        _P + "survey.py",
         "            if self.outside:\n",
         "            if False:\n",
         tests_of(

@@ -13,6 +13,8 @@ from fraese.cli.language import LanguageOption, as_the_system, named_in, transla
 from fraese.cli.options import ConfigOption, FreshOption, StateOption, TraceOption
 from fraese.cli.output import open_standard_files
 from fraese.cli.table import MODULES, Commands, commands_of
+from fraese.compiled import FORM
+from fraese.phrases import shown
 
 app = typer.Typer(
     cls=Commands,
@@ -27,11 +29,11 @@ app = typer.Typer(
 
 
 def _say_version(wanted: bool) -> None:
-    """The version, and no more."""
+    """The version, and in which form it runs."""
     if wanted:
         from importlib.metadata import version  # Nobody else pays for it.
 
-        typer.echo(f"fraese {version('fraese')}")
+        typer.echo(f"fraese {version('fraese')}, {shown(FORM.in_words())}")
         raise typer.Exit
 
 
@@ -49,7 +51,10 @@ def start(
     version: Annotated[
         bool,
         typer.Option(
-            "--version", help="Say which version this is.", is_eager=True, callback=_say_version
+            "--version",
+            help="Say which version this is, compiled or plain.",
+            is_eager=True,
+            callback=_say_version,
         ),
     ] = False,
 ) -> None:

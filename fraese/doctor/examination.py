@@ -27,6 +27,7 @@ from fraese.doctor.motors import MOTOR_CHECKS
 from fraese.doctor.opening import Opening
 from fraese.doctor.parallel import try_port
 from fraese.doctor.port import port_checks
+from fraese.doctor.program import PROGRAM_CHECKS
 from fraese.doctor.timing import Say, Timing
 from fraese.kinds.card import card_of
 from fraese.kinds.port import port_opener
@@ -90,7 +91,7 @@ def examine(
     """
     card = card_of(config)
     patient = admit(config, card, root, trace or recorded(config.port))
-    checks = (*port_checks(config.port.kind), *MOTOR_CHECKS, *KERNEL_CHECKS)
+    checks = (*PROGRAM_CHECKS, *port_checks(config.port.kind), *MOTOR_CHECKS, *KERNEL_CHECKS)
     findings = list(ask(checks, patient))
     duty = timing.duty_of(card, realtime_options(config))
     cores = max(1, len(patient.kernel.cores))

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+from fraese.compiled import FORM, Form
 from fraese.config import Config
 from fraese.doctor.opening import Opening
 from fraese.motor.ports.facts import PortFacts
@@ -49,6 +50,7 @@ class Patient:
         sleeps: the step rates leave the step process time to sleep between two edges.
         awake: the machine can be kept from falling asleep.
         awake_note: what came of asking for that.
+        form: in which our own modules run.
     """
 
     config: Config
@@ -59,6 +61,7 @@ class Patient:
     sleeps: bool
     awake: bool
     awake_note: str
+    form: Form = FORM
 
 
 Check = Callable[[Patient], Finding]

@@ -165,6 +165,8 @@ class Axes:
         """What the feed of a straight move counts along."""
         by = tuple(map(sub, end, start))
         group, length = counted(self._groups, by)
+        if self.only_linear:
+            return Way(length, False)
         straight = tuple(at for at in group if not self._rotary[at])
         return Way(length, bool(group) and length_of(straight, by) <= NO_WAY)
 

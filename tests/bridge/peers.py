@@ -76,7 +76,7 @@ PHASES: Final = Kind(
     CardFacts(
         c.CARD_PHASES, 3, MOTRUN, control_rest=0b1010, strobe=1,
         outputs=(Line(0b0010, 0), Line(0b0100, 0b0100), Line(0b1000, 0)),
-        beat_cycles=SmcCard.beat_cycles, settle_cycles=SETTLE_CYCLES,
+        beat_cycles=SmcCard().beat_cycles, settle_cycles=SETTLE_CYCLES,
     ),
 )  # fmt: skip
 

@@ -91,7 +91,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Home:
 
 
 def test_it_is_the_version_that_the_project_says(home: Home) -> None:
-    assert home.run("fraese", "--version") == f"fraese {VERSION}\n"
+    assert home.run("fraese", "--version") == f"fraese {VERSION}, plain\n"
 
 
 def test_the_archive_is_the_whole_tree(home: Home) -> None:

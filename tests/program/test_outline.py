@@ -11,7 +11,7 @@ from fraese.program.check import Facts, check_program
 from fraese.program.context import ProgramContext
 from fraese.program.outline import OutlineMaker
 from fraese.program.telling import Stage
-from fraese.program.timetable import TimetableMaker
+from fraese.program.timetablemaker import TimetableMaker
 from fraese.program.wants import Wants
 from tests.helpers import homed, program
 

@@ -53,7 +53,8 @@ class SmcCard:
     """
 
     setup_cycles = 0
-    pulse_cycles = duty_q16 = 0
+    pulse_cycles = 0
+    duty_q16 = 0
     #: 20 us: one movement by a microcontroller of 16 MHz, with its counting.
     beat_cycles = 320
     fall = NOTHING
