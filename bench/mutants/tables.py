@@ -13,6 +13,7 @@ from bench.mutants import (
     planner,
     program,
     realtime,
+    serve,
 )
 from bench.mutants.mutant import Mutant
 
@@ -27,4 +28,5 @@ MUTANTS: Final[tuple[Mutant, ...]] = (
     *assembly.MUTANTS,
     *app.MUTANTS,
     *crashes.MUTANTS,
+    *serve.MUTANTS,
 )

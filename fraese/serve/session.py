@@ -60,7 +60,6 @@ class Session:
     Attributes:
         modes: in which of grbl's states it is.
         name: who is connected; empty: nobody.
-        was_stopped: told when somebody else has taken the machine from him.
     """
 
     def __init__(

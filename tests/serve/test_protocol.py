@@ -432,3 +432,21 @@ def test_who_has_taken_over_is_not_disturbed(at: Bench) -> None:
     at.session.take(out=False)
     assert at.say("$X", "G0 X1")[-1] == "ok"
     assert at.at_mm[0] == 1.0
+
+
+def test_a_slow_sender_flows_through_its_corners_too(at: Bench) -> None:
+    """A line comes only when the run loop has been round: there is still motion enough by then."""
+    lines = [f"G1 X{n * 2}\n".encode() for n in range(1, 51)]
+
+    def send_one() -> bool:
+        if lines and at.heard.count("ok") > 50 - len(lines):
+            at.bytes(lines.pop(0))
+        return False
+
+    at.bytes(b"G1 F1100\n" + lines.pop(0) + lines.pop(0) + lines.pop(0))
+    at.when(send_one, lambda: None)
+    before_ns = at.plant.clock.now_ns()
+    at.work()
+    assert at.at_mm[0] == 100
+    # 100 mm at 1100 mm/min; with a stop at each corner it takes ten seconds.
+    assert (at.plant.clock.now_ns() - before_ns) / 1e9 < 6.2
