@@ -116,7 +116,7 @@ def probe_map(
         on.do(action, more=lambda: _found(probing[0].part, file, on.as_json))
     finally:
         file.close()
-        if probing and probing[0].part.missing:
+        if probing and _is_begun(probing[0].part, force):
             note(_how_far(probing[0].part, file))
 
 
@@ -147,8 +147,21 @@ def _begun(path: Path) -> PartMap:
     return part_of(content)
 
 
+def _is_begun(part: PartMap, force: bool) -> bool:
+    """There is something to go on with; what was to be replaced is still there without a point."""
+    return 0 < part.missing < part.points + (not force)
+
+
 def _require_new(path: Path, force: bool) -> None:
-    if path.exists() and not force:
+    """See that nothing is lost.
+
+    Raises:
+        UsageError: there is a file, and it is not to be replaced.
+        ProgramError: it is no height map, which nobody means by --force.
+    """
+    if path.is_file() and force and path.stat().st_size:
+        _begun(path)
+    elif path.exists() and not force:
         raise UsageError(
             phrase(
                 "{path} is there already: go on with it (--go-on), replace it (--force), or name"

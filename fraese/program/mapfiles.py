@@ -2,7 +2,8 @@
 
 Rule 1: the first writing is waited for, and refused where it cannot be; all others are done in a
         thread of their own, since motors do not wait for a disk.
-Rule 2: what is there under the name is whole at any moment.
+Rule 2: what is there under the name is whole at any moment. One that is replaced stays until a
+        point of the new one is known.
 """
 
 import os
@@ -33,13 +34,13 @@ class MapFile:
         self._thread: threading.Thread | None = None
 
     def begin(self, part: PartMap) -> None:
-        """Write it at once.
+        """Write it at once; where there is a file already, only see whether it can be.
 
         Raises:
             UsageError: it cannot be written.
         """
         try:
-            self._write(part)
+            self._write(part, replace=not self.path.exists())
         except OSError as error:
             raise UsageError(self._refusal(error)) from error
 
@@ -69,14 +70,17 @@ class MapFile:
             except OSError as error:
                 self.failure = self._refusal(error)
 
-    def _write(self, part: PartMap) -> None:
+    def _write(self, part: PartMap, *, replace: bool = True) -> None:
         new = self.path.with_name(f"{self.path.name}.new")
         try:
             with new.open("w", encoding="utf-8") as file:
                 file.write(encoded(part))
                 file.flush()
                 os.fsync(file.fileno())
-            new.replace(self.path)
+            if replace:
+                new.replace(self.path)
+            else:
+                new.unlink()
         except BaseException:
             with suppress(OSError):
                 new.unlink(missing_ok=True)

@@ -81,6 +81,24 @@ def test_a_map_that_is_there_is_not_replaced_by_mistake(shop: Shop) -> None:
     assert shop.json(*words, "--force")["height_map"]["points"] == 6
 
 
+def test_what_is_replaced_stays_until_a_point_is_known_and_is_a_map(shop: Shop) -> None:
+    _ready(shop)
+    words = ["--from", "X0 Y0", "--to", "X20 Y20", "--every", "20", "--force"]
+    mine = (shop.folder / "fraese.toml").read_bytes()
+    refused = shop.run("probe-map", "-o", "fraese.toml", *words)
+    assert refused.exit_code == 2
+    assert "fraese.toml, line 1: is no height map" in refused.output
+    assert (shop.folder / "fraese.toml").read_bytes() == mine
+    assert shop.run("probe-map", "-o", "a.map", *words).exit_code == 0
+    before = (shop.folder / "a.map").read_bytes()
+    failed = shop.run("probe-map", "-o", "a.map", *words, "--reach", "0.1")
+    assert failed.exit_code == 1
+    assert "nothing was touched" in failed.output
+    assert "--go-on" not in failed.output
+    assert (shop.folder / "a.map").read_bytes() == before
+    assert not list(shop.folder.glob("*.new"))
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
