@@ -11,6 +11,7 @@ from fraese.errors import Cancelled, HomingError, LimitError, ProbeError, Progra
 from fraese.testing import Mill, NeverCame, TookTooLong, Unanswered
 from fraese.testing.failures import NoSuchName
 
+MACHINES = Path(__file__).parents[2] / "examples" / "machines"
 SQUARE = "G21 G90\nG1 X20 F1200\nG1 Y20\nG1 X0\nG1 Y0\nM2\n"
 ASKING = "G21 G90\nG1 X5 F1200\nT2 M6\nG1 X10\nM0 (look at it)\nG1 X15\nM2\n"
 FOR_EVER = "o1 while [1]\nG1 X5 F600\nG1 X0\no1 endwhile\nM2\n"
@@ -271,3 +272,11 @@ def test_who_does_not_use_it_does_not_pay_for_it() -> None:
     )
     done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "['fraese.testing', 'fraese.testing.plugin']"
+
+
+@pytest.mark.parametrize("file", sorted(MACHINES.glob("*.toml")), ids=lambda file: file.stem)
+def test_every_example_machine_can_be_tried(file: Path) -> None:
+    with Mill(file) as mill:
+        axis = mill.axes[0]
+        assert mill.jog(axis, 1).lost_steps == dict.fromkeys(mill.axes, 0)
+        assert mill.position_mm[axis] == pytest.approx(1, abs=0.01)
