@@ -22,9 +22,9 @@ from typing import Any, Final, Self
 from fraese.assembly import Plant, assemble
 from fraese.cli.shared import Drive
 from fraese.cli.theapp import make_app
-from fraese.config.file import annotated, load
+from fraese.config.file import load
 from fraese.testing.failures import DrivenByKeys, TookTooLong
-from fraese.testing.hands import Configuration, Hands, configured
+from fraese.testing.hands import Configuration, Hands, configured, written
 from fraese.testing.mill import LIMIT_S
 from fraese.testing.screen import Screen
 
@@ -134,7 +134,9 @@ class App:
         self._own = None if folder else tempfile.TemporaryDirectory(prefix="fraese-app-")
         self.folder = folder or Path(self._own.name if self._own else ".")
         file, state = self.folder / "fraese.toml", self.folder / "state"
-        file.write_text(annotated(configured(configuration)), "utf-8")
+        # In our own words first: what is wrong with it is said of the test's, not of the copy.
+        configured(configuration)
+        file.write_text(written(configuration), "utf-8")
         self._plant = assemble(load(file), state=state)
         self.mill = Onlooker(self._plant)
         self.ui = make_app(self._plant, program, Drive(config=file, state=state))

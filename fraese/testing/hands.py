@@ -7,8 +7,11 @@ Rule 2: what is done here is done at once, also while the machine runs.
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from decimal import Decimal
 from pathlib import Path
 from typing import Any, Final, TypeVar
+
+import tomlkit
 
 from fraese.assembly import Plant
 from fraese.assembly.onlooker import MillOnlooker
@@ -49,6 +52,27 @@ def configured(configuration: Configuration) -> Config:
         config = from_table(dict(configuration or {}), "configuration of the test")
     port = config.port.model_copy(update={"kind": "simulation"})
     return config.model_copy(update={"port": port})
+
+
+def written(configuration: Configuration) -> str:
+    """The same as text of a ``fraese.toml``, for what reads one."""
+    if isinstance(configuration, str | Path):
+        table = tomlkit.parse(Path(configuration).read_text("utf-8")).unwrap()
+    elif isinstance(configuration, Config):
+        table = configuration.model_dump(exclude_defaults=True)
+    else:
+        table = dict(configuration or {})
+    table["port"] = {**table.get("port", {}), "kind": "simulation"}
+    return tomlkit.dumps(_plain(table))
+
+
+def _plain(value: Any) -> Any:
+    """What TOML has a word for."""
+    if isinstance(value, Mapping):
+        return {key: _plain(each) for key, each in value.items() if each is not None}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    return float(value) if isinstance(value, Decimal) else value
 
 
 class Hands:

@@ -4,8 +4,11 @@ from pathlib import Path
 
 import pytest
 
+from fraese.config.file import from_table, load
 from fraese.testing import App, DrivenByKeys, HasEnded, NoSuchName, TookTooLong
+from fraese.testing.hands import Configuration, configured, written
 
+MACHINES = Path(__file__).parents[2] / "examples" / "machines"
 ASKING = "G21 G90\nG1 X5 F1200\nM0 (look at it)\nG1 X10\nM2\n"
 
 
@@ -89,6 +92,34 @@ def test_commands_are_for_keys_that_there_are_and_an_app_that_lives(app: App) ->
     app.press("q")
     with pytest.raises(HasEnded):
         app.press("right")
+
+
+MACRO = {"name": "Park", "key": "f9", "lines": ["G0 X3"], "confirm": False}
+
+
+def test_keys_and_macros_of_the_configuration_are_there(tmp_path: Path) -> None:
+    with App({"keys": {"go_to": "f8"}, "macros": [MACRO]}, folder=tmp_path) as app:
+        app.press("f9")
+        assert app.mill.position_mm["x"] == 3
+        app.press("f8")
+        assert "Go to" in app.text
+
+
+@pytest.mark.parametrize(
+    "configuration",
+    [
+        None,
+        {"axes": {"x": {"pitch_mm": 1.5, "gear": "7/5"}}, "tools": {"3": {"length_mm": 12.25}}},
+        from_table({"simulation": {"solids": {"plate": {"top_mm": -3}}}}, "test"),
+        *sorted(MACHINES.glob("*.toml")),
+    ],
+)
+def test_the_copy_of_a_configuration_says_the_same(
+    configuration: Configuration, tmp_path: Path
+) -> None:
+    file = tmp_path / "fraese.toml"
+    file.write_text(written(configuration))
+    assert load(file) == configured(configuration)
 
 
 @pytest.fixture
