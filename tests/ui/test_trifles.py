@@ -152,6 +152,20 @@ def test_a_palette_that_has_gone_before_its_search_begins() -> None:
     play(scene)
 
 
+@pytest.mark.parametrize("key", ["down", "up", "pagedown", "enter"])
+def test_a_palette_whose_list_has_gone_hears_no_key(key: str) -> None:
+    async def scene() -> None:
+        async with bench() as b:
+            await b.press("ctrl+p")
+            await b.wait(lambda: isinstance(b.app.screen, Palette))
+            await b.app.screen.query_one(CommandList).remove()
+            await b.press(key)
+            await b.wait(lambda: isinstance(b.app.screen, Palette))
+            await b.press("escape")
+
+    play(scene)
+
+
 def test_a_page_that_ends_below_the_palette_goes_when_that_goes() -> None:
     async def scene() -> None:
         async with bench() as b:

@@ -12,7 +12,7 @@ from textual.app import ComposeResult
 from textual.await_complete import AwaitComplete
 from textual.command import CommandList, CommandPalette
 from textual.css.query import NoMatches
-from textual.widgets import OptionList
+from textual.widgets import Input, OptionList
 
 
 class Options(OptionList):
@@ -39,6 +39,22 @@ class Palette(CommandPalette):
         """As Textual's."""
         for widget in super().compose():
             yield Commands() if isinstance(widget, CommandList) else widget
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Its keys move in a list that is made a moment after it, and goes a moment before."""
+        if not self._has_list and action != "escape":
+            return False
+        return super().check_action(action, parameters)
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Likewise Enter, which Textual's palette hears by itself."""
+        if not self._has_list:
+            event.stop()
+            event.prevent_default()
+
+    @property
+    def _has_list(self) -> bool:
+        return bool(self.query(CommandList))
 
     @work(exclusive=True, group=CommandPalette._GATHER_COMMANDS_GROUP)
     async def _gather_commands(self, search_value: str) -> None:
