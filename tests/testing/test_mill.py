@@ -271,7 +271,9 @@ def test_who_does_not_use_it_does_not_pay_for_it() -> None:
         " or name in ('numpy', 'pydantic', 'textual')])"
     )
     done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "['fraese.testing', 'fraese.testing.plugin']"
+    # fraese itself settles in which form its modules are imported.
+    expected = ["fraese.compiled", "fraese.testing", "fraese.testing.plugin"]
+    assert done.stdout.strip() == str(expected)
 
 
 @pytest.mark.parametrize("file", sorted(MACHINES.glob("*.toml")), ids=lambda file: file.stem)
