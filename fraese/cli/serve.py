@@ -115,7 +115,22 @@ def _served(
         doors = doors_of(how, access, desk.wants_turn)
         _say_where(doors, as_json=on.as_json)
         desk.serve(doors)
+    _say_how_it_ended(plant, as_json=on.as_json)
     return _ENDED
+
+
+def _say_how_it_ended(plant: Plant, *, as_json: bool) -> None:
+    """Where the machine stands; the waveform, if there is one."""
+    plant.close()
+    if plant.trace is not None:
+        note(plant.trace.waveform.sentence())
+    state, machine = plant.controller.state(), plant.controller.machine
+    if as_json:
+        places = dict(zip(state.axes, state.position_mm, strict=True))
+        result(json.dumps({"status": "cancelled", "position_mm": places}), lambda: True)
+        return
+    where = machine.in_words(state.work_mm)
+    result(phrase("Ended: {where}", where=where), lambda: True)
 
 
 def _say_where(doors: list[Door], *, as_json: bool) -> None:

@@ -63,8 +63,12 @@ def test_a_sender_on_the_port_and_another_at_the_terminal(
         there.sendall(b"?")
         assert b"<Idle|MPos:10.000,5.000,0.000|" in _until(there, b">")
     process.send_signal(signal.SIGINT)
-    said = process.communicate(timeout=20)[1]
+    ended, said = process.communicate(timeout=20)
     assert process.returncode == 130
+    assert json.loads(ended) == {
+        "status": "cancelled",
+        "position_mm": {"x": 10, "y": 5, "z": 0},
+    }
     assert "A sender is connected" in said
     assert "The sender has gone" in said
     assert not os.path.lexists(link)
