@@ -47,7 +47,8 @@ class Cncjs:
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
             env={**os.environ, "NODE_PATH": str(modules)},
         )  # fmt: skip
-        threading.Thread(target=self._listen, daemon=True).start()
+        self._listener = threading.Thread(target=self._listen, daemon=True)
+        self._listener.start()
         wait("the page is connected", lambda: "connect" in self._seen)
 
     def _token(self, url: str) -> str:
@@ -125,6 +126,9 @@ class Cncjs:
             time.sleep(0.5)
             self._page.stdin.close()
             self._page.wait(timeout=10)
+            self._listener.join(timeout=10)
+            assert self._page.stdout is not None
+            self._page.stdout.close()
         self._server.terminate()
         self._server.wait(timeout=10)
         self._log.close()
