@@ -562,9 +562,9 @@ def test_from_a_line_starts_with_what_was_in_force(tmp_path: Path) -> None:
     part = program(tmp_path, text)
     way = part.way_from(made.controller, 5)
     assert carriages(made) == (400, 400, 11_600)
-    assert way[1].strip().startswith("rapid to X 0.000 Y 0.000 Z 0.000 mm")
-    assert way[2].strip().startswith("rapid to X 20.000 Y 10.000 Z 0.000 mm")
-    assert way[3].strip() == "feed 120 mm/min to X 20.000 Y 10.000 Z -5.000 mm (machine)"
+    # It stands at the height of the way already.
+    assert way[1].strip().startswith("rapid to X 20.000 Y 10.000 Z 0.000 mm")
+    assert way[2].strip() == "feed 120 mm/min to X 20.000 Y 10.000 Z -5.000 mm (machine)"
     lows: list[float] = []
     made.controller.set_show_pos(lambda: lows.append(made.controller.state().position_mm[0]))
     assert run_program(made, part, from_line=5) is Status.OK

@@ -45,6 +45,8 @@ from tests.ui.monkeyhands import Hands
 LIFE: Final = 2_000
 #: What was done last, as many as a failure tells.
 _TOLD: Final = 40
+#: Jobs that look for an end switch.
+_SEEKING: Final = ("measure the travel", "reference", "repeatability", "backlash")
 #: A machine that is braked stands by then, however busy this computer is.
 _REST_S: Final = 60.0
 #: Small, so that it is at its ends often.
@@ -133,7 +135,7 @@ class Watch:
 
     def _seeks_ends(self) -> bool:
         """A job that has to run into the switches, which are outside."""
-        return self._job().startswith(("measure the travel", "reference"))
+        return self._job().startswith(_SEEKING)
 
     def _job(self) -> str:
         state = self._plant.controller.state()
