@@ -100,7 +100,7 @@ class Compile(build_ext):
             group_name=GROUP,
             target_dir=str(BUILD),
             multi_file=True,
-            opt_level=os.environ.get("FRAESE_O", "1"),
+            opt_level="1",
             debug_level="0",
         )
         for extension in made:
