@@ -90,8 +90,7 @@ def test_a_frame_of_one_axis_is_a_line(tmp_path: Path) -> None:
 def test_from_a_line_a_rotary_axis_goes_over_with_the_others(tmp_path: Path) -> None:
     made = machine("xyza")
     part = program(tmp_path, "G0 X10 A90\nG1 Z-5 F120\nX20 A100\nX30\nM2\n")
-    assert part.way_from(made.controller, 4)[1:4] == [
-        "  rapid to X 0.000 Y 0.000 Z 0.000 mm A 0.000° (machine)",
+    assert part.way_from(made.controller, 4)[1:3] == [
         "  rapid to X 20.000 Y 0.000 Z 0.000 mm A 100.000° (machine)",
         "  feed 120 mm/min to X 20.000 Y 0.000 Z -5.000 mm A 100.000° (machine)",
     ]
@@ -120,8 +119,10 @@ def test_a_feed_of_degrees_is_called_that(tmp_path: Path) -> None:
 def test_from_a_line_the_way_is_never_below_the_place(tmp_path: Path) -> None:
     made = plant(run={"safe_z_mm": -10})
     part = program(tmp_path, "G0 X10 Z-2\nG1 X20 F120\nX30\nM2\n")
-    heights = [line.split("Z")[1].split()[0] for line in part.way_from(made.controller, 3)[1:4]]
-    assert heights == ["-2.000", "-2.000", "-2.000"]
+    heights = [
+        line.split("Z")[1].split()[0] for line in part.way_from(made.controller, 3) if "Z" in line
+    ]
+    assert set(heights) == {"-2.000"}
 
 
 def test_the_travel_of_a_rotary_axis_is_seen_to(tmp_path: Path) -> None:
