@@ -120,14 +120,22 @@ def _served(
 
 
 def _say_how_it_ended(plant: Plant, *, as_json: bool) -> None:
-    """Where the machine stands; the waveform, if there is one."""
+    """Where the machine stands, and how it got there; the waveform, if there is one."""
     plant.close()
     if plant.trace is not None:
         note(plant.trace.waveform.sentence())
     state, machine = plant.controller.state(), plant.controller.machine
     if as_json:
-        places = dict(zip(state.axes, state.position_mm, strict=True))
-        result(json.dumps({"status": "cancelled", "position_mm": places}), lambda: True)
+        ended = {
+            "status": "cancelled",
+            "position_mm": dict(zip(state.axes, state.position_mm, strict=True)),
+            "late_ticks": state.late_ticks,
+            "dry_queues": state.dry_queues,
+            # Only the simulated mill can be looked at.
+            "carriages_mm": dict(zip(state.axes, state.carriages_mm, strict=False)) or None,
+            "lost_steps": dict(zip(state.axes, state.lost_steps, strict=False)) or None,
+        }
+        result(json.dumps(ended), lambda: True)
         return
     where = machine.in_words(state.work_mm)
     result(phrase("Ended: {where}", where=where), lambda: True)

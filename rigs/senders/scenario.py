@@ -123,9 +123,12 @@ def play(sender: Sender, folder: Path, count: int = program.LINES) -> dict[str, 
         believed = sender.state()[1]
         sender.close()
         assert server.end() == 130
-        left = server.where()
-    assert left["lost_steps"] == {"x": 0, "y": 0, "z": 0}, left["lost_steps"]
-    places = tuple(left["position_mm"].values())
+        ended, left = server.ended, server.where()
+    assert ended["lost_steps"] == {"x": 0, "y": 0, "z": 0}, ended["lost_steps"]
+    assert ended["dry_queues"] == 0
+    carriages, places = (
+        tuple(each.values()) for each in (ended["carriages_mm"], left["position_mm"])
+    )
+    assert _is_near(carriages, believed), (carriages, believed)
     assert _is_near(places, believed), (places, believed)
-    assert left["dry_queues"] == 0
-    return found | {"at_mm": [round(mm, 3) for mm in places], "late_ticks": left["late_ticks"]}
+    return found | {"at_mm": [round(mm, 3) for mm in places], "late_ticks": ended["late_ticks"]}

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -21,16 +21,20 @@ class Served:
         process: it.
         folder: where its state is.
         at: where senders find it: the pseudo-terminal, then the port, if there is one.
+        ended: what it said of the machine at its end.
     """
 
     process: subprocess.Popen[str]
     folder: Path
     at: list[str]
+    ended: dict[str, Any] = field(default_factory=dict)
 
     def end(self) -> int:
         """As by Ctrl+C; its exit code."""
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGINT)
+            out, _ = self.process.communicate(timeout=20)
+            self.ended = json.loads(out.splitlines()[-1])
         return self.process.wait(timeout=20)
 
     def where(self) -> dict[str, Any]:

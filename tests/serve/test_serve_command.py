@@ -65,10 +65,11 @@ def test_a_sender_on_the_port_and_another_at_the_terminal(
     process.send_signal(signal.SIGINT)
     ended, said = process.communicate(timeout=20)
     assert process.returncode == 130
-    assert json.loads(ended) == {
-        "status": "cancelled",
-        "position_mm": {"x": 10, "y": 5, "z": 0},
-    }
+    told = json.loads(ended)
+    assert told["status"] == "cancelled"
+    assert told["position_mm"] == told["carriages_mm"] == {"x": 10, "y": 5, "z": 0}
+    assert told["lost_steps"] == {"x": 0, "y": 0, "z": 0}
+    assert told["dry_queues"] == 0
     assert "A sender is connected" in said
     assert "The sender has gone" in said
     assert not os.path.lexists(link)
