@@ -13,8 +13,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from fraese.assembly.tracing import LocalTrace, Wanted, step_direction_pins
+from fraese.assembly.tracing import LocalTrace, Wanted
 from fraese.blocks import Block
+from fraese.kinds.lines import step_direction_pins
 from fraese.motor.cards.stepdir import STEPDIR_PROFILES, StepDirCard
 from fraese.motor.clock import VirtualClock
 from fraese.motor.core import MotorCore
