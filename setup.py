@@ -6,6 +6,7 @@ Where there is no C compiler, or it fails, nothing is compiled, and the sources 
 What the compiler is told is here, and in no module that it compiles.
 """
 
+import io
 import os
 import runpy
 import sys
@@ -13,6 +14,7 @@ import sysconfig
 import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import redirect_stderr, redirect_stdout
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -97,14 +99,21 @@ class Compile(build_ext):
 
         # Types alone count here; how strict they are is seen to by `make check`.
         options = ["--config-file=", "--follow-imports=silent", "--ignore-missing-imports"]
-        made = mypycify(
-            [*options, *SOURCES],
-            group_name=GROUP,
-            target_dir=str(BUILD),
-            multi_file=True,
-            opt_level="1",
-            debug_level="0",
-        )
+        # Where it could be faster still is nothing to who starts the app for the first time.
+        said = io.StringIO()
+        try:
+            with redirect_stdout(said), redirect_stderr(said):
+                made = mypycify(
+                    [*options, *SOURCES],
+                    group_name=GROUP,
+                    target_dir=str(BUILD),
+                    multi_file=True,
+                    opt_level="1",
+                    debug_level="0",
+                )
+        except BaseException:
+            print(said.getvalue(), file=sys.stderr)
+            raise
         for extension in made:
             extension.include_dirs.append(str(BUILD / "fraese"))
         self.distribution.ext_modules = made

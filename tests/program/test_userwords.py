@@ -249,7 +249,10 @@ def test_a_cancel_ends_it_and_what_it_has_started(tmp_path: Path, folder: Path) 
     assert time.monotonic() - since_s < 30
     for name in ("own", "child"):
         number = int((folder / name).read_text())
-        assert not _runs(number), name
+        # It was killed; the system buries it when it has time.
+        while _runs(number):
+            assert time.monotonic() - since_s < 30, name
+            time.sleep(0.01)
 
 
 def _runs(number: int) -> bool:

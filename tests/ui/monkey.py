@@ -93,18 +93,19 @@ class Watch:
         self._told_last = ""
         self._outside = self._outside_steps()
         self._blocked: set[int] = set()
-        self._block = self._mill().block
-        self._mill().block = self._hold  # type: ignore[method-assign]
+        assert plant.bench is not None
+        self._block = plant.bench.block
+        plant.bench.block = self._hold  # type: ignore[method-assign]
         self.found = ""
 
     def _mill(self) -> Mill:
         assert self._plant.port is not None
         return self._plant.port.mill
 
-    def _hold(self, motor: int, blocked: bool = True) -> None:
+    def _hold(self, axis: str, blocked: bool = True) -> None:
         """Somebody holds a carriage (the bench lets him): what it loses nobody can know."""
-        self._blocked.add(motor)
-        self._block(motor, blocked)
+        self._blocked.add(self._plant.controller.machine.index(axis))
+        self._block(axis, blocked)
 
     def _outside_steps(self) -> tuple[int | None, ...]:
         """By how much each axis is beyond its soft limits; None: nobody knows where it is."""

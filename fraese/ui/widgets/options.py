@@ -42,7 +42,7 @@ class Palette(CommandPalette):
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Its keys move in a list that is made a moment after it, and goes a moment before."""
-        if not self._has_list and action != "escape":
+        if not self._has_list and action in ("cursor_down", "command_list"):
             return False
         return super().check_action(action, parameters)
 
