@@ -69,7 +69,8 @@ def test_a_day_at_the_machine(tmp_path: Path) -> None:
         for key in (RIGHT, UP):
             pty.type(key)
             pty.read_until(b"machine     1.000")
-        # It references all axes.
+        # It references all axes, when the last jog is over.
+        pty.read_until(b"motors off")
         pty.type(b"r")
         pty.read_until(b"Reference: run")
         pty.type(ENTER)

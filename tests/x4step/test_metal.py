@@ -61,10 +61,10 @@ def test_from_the_start_to_the_first_edge_it_takes_little_time(metal: Metal) -> 
 
 
 def test_who_sleeps_longer_than_the_silence_is_not_taken_for_hung(tmp_path: Path) -> None:
-    metal = Metal(tmp_path, silent_s=0.3)
+    metal = Metal(tmp_path, silent_s=0.8)
     with X4Step(1, metal.around) as motors:
         motors.move_positive(1, 1000, 0)
-        time.sleep(0.9)
+        time.sleep(1.7)
         made = motors.steps(1)
         time.sleep(0.3)
         assert motors.moving
