@@ -11,10 +11,12 @@ READY := .venv/.ready
 run: $(READY)
 	$(BIN)/fraese
 
-# What runs in real time comes last, alone.
+# Most tests wait now and then: one more at once than there are cores. What runs in real time comes last, alone but for
+# one other of its kind.
+WORKERS := $(shell echo $$(($$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1) + 1)))
 test: $(READY)
-	$(BIN)/pytest -n auto --dist worksteal -m "not alone"
-	$(BIN)/pytest -m alone
+	$(BIN)/pytest -n $(WORKERS) --dist worksteal -m "not alone"
+	$(BIN)/pytest -n 2 --dist worksteal -m alone
 
 # What is listed there, compiled, unless it is; fails if it cannot be.
 compiled: $(READY)

@@ -1,7 +1,7 @@
 """Settings for every test: property tests are modest and repeatable.
 
-Tests that start processes in real time have the machine for themselves (marker ``alone``); all
-others may run several at once (``pytest -n 2 -m "not alone"``).
+Tests that start processes in real time come by themselves, two at a time at most (marker
+``alone``); of all others several may run at once (``pytest -n 3 -m "not alone"``).
 """
 
 import os
